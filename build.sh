@@ -190,7 +190,10 @@ case $command in
             install_dependencies '.[test,study,docs]'
             build all
         fi
-        run_program '.[test,study,docs]' -m pytest -n 2 --dist loadfile "$@"
+        # Else both processes, and each program that a test starts, would translate the sources again.
+        unset PYTHONDONTWRITEBYTECODE
+        # The order of the files is that of tests/support/longest_files.py.
+        run_program '.[test,study,docs]' -m pytest -n 2 --dist loadfile --no-loadscope-reorder "$@"
         ;;
     fuzz)
         if [ "${1-}" = calls ]; then

@@ -9,6 +9,7 @@ from decay_fmu import make_decay_fmu
 from driver import ROOT, Driver, layout_code, load, models
 from hypothesis import settings
 from hypothesis.internal.conjecture import providers
+from longest_files import LONGEST_FILES
 
 # What build.sh exports, and this tree: programs that the tests start import the same modules.
 FOLDERS = (".", "fmu_src/tools", "masters", "tests", "tests/support")
@@ -25,6 +26,14 @@ if hasattr(providers, "_get_local_constants"):
 settings.register_profile("short", max_examples=250, deadline=None, derandomize=True)
 settings.register_profile("long", max_examples=20_000, deadline=None)
 settings.load_profile("short")
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_collection_modifyitems(items):
+    """Puts the longest files first. Of two processes that take one file after the other, one waits at the end
+    while the other runs the last file."""
+    place = {name: k for k, name in enumerate(LONGEST_FILES)}
+    items.sort(key=lambda item: place.get(item.path.name, len(place)))
 
 
 @pytest.fixture(scope="session")

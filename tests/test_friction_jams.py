@@ -164,7 +164,7 @@ def test_energy_closes_while_the_contacts_hold_the_speed(make_model, pieces):
 
 def test_contacts_let_go_where_the_load_vanishes(make_model):
     """The load passes zero while the contacts hold the speed. Then J alpha = tau - rho F on the flanks of the
-    coming load, from the speed held on: by DOP853."""
+    coming load, from the speed held on: by DOP853. This speed and the instant do not depend on tau."""
     inertia, tau, rate, start = 1e-4, 0.5, 40.0, 2.0
     parameters = HELICES | {"spring.preload": 0.0, "inertia.shaft": inertia}
 
@@ -175,17 +175,89 @@ def test_contacts_let_go_where_the_load_vanishes(make_model):
     vanishes = start / rate
     end = 1.1 * vanishes
 
-    def rates(t, x):
-        return [(tau - rate * (vanishes - t) * lever(x[0], (-1, -1))) / inertia]
+    def speed_under(torque):
+        def rates(t, x):
+            return [(torque - rate * (vanishes - t) * lever(x[0], (-1, -1))) / inertia]
+
+        way = solve_ivp(rates, (vanishes, end), [held(1e-13)], method="DOP853", rtol=1e-12, atol=1e-12)
+        return way.y[0, -1]
 
     found = []
     for pieces in CUTS:
         fmu = make_model(FORWARD).start(parameters)
         assert run(fmu, end, pieces, (tau, 0.0), (start, -rate)) == OK
         found.append(fmu.get("omega"))
-    after = solve_ivp(rates, (vanishes, end), [held(1e-13)], method="DOP853", rtol=1e-12, atol=1e-12)
-    assert found == pytest.approx([after.y[0, -1]] * len(CUTS), rel=1e-6)
+        if pieces == 1:
+            by_torque = fmu.get("step.domega_dtau")
+    assert found == pytest.approx([speed_under(tau)] * len(CUTS), rel=1e-6)
     assert np.ptp(found) <= 1e-7 * abs(found[0])
+    change = 1e-3
+    expected = (speed_under(tau + change) - speed_under(tau - change)) / (2.0 * change)
+    assert by_torque == pytest.approx(expected, rel=1e-5)
+
+
+HELD = {
+    "cam1.radius": 0.01,
+    "cam2.radius": 0.05,
+    "cam1.lead_angle": math.atan(1.0),
+    "cam2.lead_angle": math.atan(0.02),
+    "cam1.friction": 0.0,
+    "cam2.friction": 0.1,
+    "cam2.friction_viscous": 2.0,
+    "spring.preload": 0.0,
+    "spring.stiffness": 0.0,
+    "inertia.shaft": 1e-4,
+    "stop.lower": -50.0,
+    "contacts": 1,
+}
+
+
+def held_balance(p, omega, flanks):
+    """The matrix of x_1, x_2 and alpha in the balance of section 6 at the speed omega < 0."""
+    r = p["cam1.radius"], p["cam2.radius"]
+    a = [r[i] * math.tan(p[f"cam{i + 1}.lead_angle"]) for i in (0, 1)]
+    turn, lift = a[1] / (a[0] + a[1]), a[0] * a[1] / (a[0] + a[1])
+    mu = 0.0, p["cam2.friction"] + p["cam2.friction_viscous"] * (1.0 - turn) * math.hypot(r[1], a[1]) * -omega
+    f = [-e * k for e, k in zip(flanks, mu, strict=True)]
+    rn, d = [r[i] * (a[i] + f[i] * r[i]) for i in (0, 1)], [r[i] - f[i] * a[i] for i in (0, 1)]
+    shaft, mass, ring = p["inertia.shaft"], p["inertia.follower_mass"], p["inertia.follower"]
+    return np.array([[d[0], d[1], -mass * lift], [rn[0], 0.0, shaft + ring * turn], [0.0, rn[1], shaft]])
+
+
+@pytest.mark.parametrize("inertia", [(0.0, 1e-6), (1e-2, 0.0), (1e-2, 1e-6)])
+def test_follower_with_inertia_lets_go_at_the_end_of_the_jam(make_model, inertia):
+    """The torque releases against contact 2, which is locked, and the contacts hold the speed. With inertia
+    of the follower they let go while the axial load is above zero: where the matrix of the balance and its
+    numerator vanish together. From there the speed is that of the other flanks, by DOP853."""
+    p = HELD | {"inertia.follower_mass": inertia[0], "inertia.follower": inertia[1]}
+    tau, start, rate, held = -0.05, 5.0, 10.0, (-1, 1)
+
+    def determinant(omega, load=None):
+        matrix = held_balance(p, omega, held)
+        if load is not None:
+            matrix[:, 2] = load, tau, tau
+        return np.linalg.det(matrix)
+
+    speed = brentq(determinant, -1.4, -0.1, xtol=1e-15)
+    load = brentq(lambda load: determinant(speed, load), -1.0, 1.0, xtol=1e-15)
+    assert 1e-3 < load < 0.1
+    begin = (start - load) / rate
+
+    def rates(t, x):
+        for flanks in ((1, -1), (-1, -1), (1, 1)):
+            found = np.linalg.solve(held_balance(p, x[0], flanks), [start - rate * t, tau, tau])
+            if flanks[0] * found[0] >= -1e-9 and flanks[1] * found[1] >= -1e-9:
+                return [found[2]]
+        raise AssertionError(t)
+
+    end = 1.02 * start / rate
+    after = solve_ivp(rates, (begin, end), [speed], method="DOP853", rtol=1e-11, atol=1e-12)
+    found = []
+    for pieces in (*CUTS, 28, 66, 79, 110):
+        fmu = make_model(FORWARD).start(p)
+        assert run(fmu, end, pieces, (tau, 0.0), (start, -rate)) == OK
+        found.append(fmu.get("omega"))
+    assert found == pytest.approx([after.y[0, -1]] * len(found), rel=1e-7)
 
 
 PAINLEVE = {

@@ -157,6 +157,20 @@ def test_wear_under_coulomb_friction_follows_the_heat(make_model):
             assert heat > 0.01 and plain.get(f"wear.cam{i}") == 0.0
 
 
+def test_a_friction_that_hardly_brakes_books_its_heat(make_model):
+    """The same law: heat_i = n mu_i V_i/K_i. The energy balance of a step is blind to so small a heat."""
+    friction = {"cam1.friction": 1e-12, "cam2.friction": 3e-12}
+    grooves = {f"cam{i}.profile": 2 for i in (1, 2)} | {"inertia.follower_mass": 0.3}
+    start = {"initial.theta": 0.1, "initial.omega": 5.0}
+    fmu = make_model(FORWARD).start(friction | grooves | WEARING | start)
+    for _ in range(5):
+        fmu.step(0.001, tau=3.0)
+    assert fmu.get("omega") > 1.0
+    for i in (1, 2):
+        heat = 2 * friction[f"cam{i}.friction"] * fmu.get(f"wear.cam{i}") / WEARING[f"cam{i}.wear"]
+        assert fmu.get(f"energy.heat_cam{i}") == pytest.approx(heat, rel=1e-12, abs=0.0)
+
+
 @pytest.mark.parametrize("extra", [{}, {"shaft.stiffness": 30.0}, {"cam1.friction": 0.0}])
 def test_wear_of_an_imposed_motion(make_model, extra):
     fmu = make_model(INVERSE).start(WEARING | extra)
@@ -240,15 +254,20 @@ REGIMES = {
 }
 
 
+def check_output_derivatives(make_model, groove, regime, values, direction):
+    """In slip of one direction, between events; `values`: what makes the regime."""
+    base = output_derivatives.LINEAR | output_derivatives.CURVED | output_derivatives.GROOVES[groove]
+    fmu, inputs = output_derivatives.slipping(make_model, base | values, direction)
+    mode = 2 if direction > 0 else 3
+    step = output_derivatives.H["inertial" if regime == "inertial" else "viscous"]
+    output_derivatives.check_between_events(fmu, inputs, 0.3 * step, mode)
+
+
 @pytest.mark.parametrize("direction", [1, -1])
 @pytest.mark.parametrize("regime", REGIMES)
 @pytest.mark.parametrize("groove", ["helices", "ellipses"])
 def test_output_derivatives(make_model, groove, regime, direction):
-    base = output_derivatives.LINEAR | output_derivatives.CURVED | output_derivatives.GROOVES[groove]
-    fmu, inputs = output_derivatives.slipping(make_model, base | REGIMES[regime], direction)
-    mode = 2 if direction > 0 else 3
-    step = output_derivatives.H["inertial" if regime == "inertial" else "viscous"]
-    output_derivatives.check_between_events(fmu, inputs, 0.3 * step, mode)
+    check_output_derivatives(make_model, groove, regime, REGIMES[regime], direction)
 
 
 Scene = step_sensitivity.Scene

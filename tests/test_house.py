@@ -9,12 +9,18 @@ from pathlib import Path
 import pytest
 from driver import ROOT
 from house import CHECKS, MAIN_HEADER, MAY_INCLUDE, MOST_PAIRS, circle, is_abandoned, words_of
+from longest_files import LONGEST_FILES
 
 
 @pytest.mark.parametrize("check", CHECKS)
 def test_this_repository(check):
     found = CHECKS[check](ROOT)
     assert not found, "\n" + "\n".join(found)
+
+
+def test_the_longest_files_of_tests_exist():
+    names = {path.name for path in (ROOT / "tests").rglob("test_*.py")}
+    assert set(LONGEST_FILES) - names == set(), "rename them in tests/support/longest_files.py too"
 
 
 def test_messages_print_the_shortest_digits():

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from driver import models
 from mechanisms import LIFT, PRELOAD, RHO, STIFFNESS
-from reference import STICK
+from reference import STICK, write_table
 from scipy.integrate import quad
 
 INVERSE = models["DualCamInverse"]
@@ -194,3 +194,18 @@ def test_a_torque_that_no_motion_needs_has_no_derivatives(make):
     fmu.set({"omega": -1.0})
     arguments, _ = jacobian(fmu, "tau", "theta")
     fmu.refused("GetDirectionalDerivative", *arguments, mentions=("wedge", "releasing"))
+
+
+def test_a_balance_without_a_solution_is_no_torque(make, tmp_path):
+    """r = 1/2 m, a_i = 1/4 m, mu_1 = 1/2, mu_2 = 11/2: on the flanks (+, -) Delta is 0 to the last bit. Under
+    the axial force 50 N and the moment -512 N.m no other pair has reactions on its flanks: x_i < 0 on (+, +),
+    x_2 < 0 on (-, +) and x_2 > 0 on (-, -)."""
+    write_table(tmp_path / "groove.csv", [k / 8 for k in range(-2, 40)], [k / 32 for k in range(-2, 40)])
+    values = {"cam1.friction": 0.5, "cam2.friction": 5.5, "inertia.follower": 1.0, "spring.preload": 50.0}
+    values |= {"spring.stiffness": 0.0, "stop.upper": 0.5, "theta": 0.0, "omega": 1.0}
+    for i in (1, 2):
+        values |= {f"cam{i}.profile": 3, f"cam{i}.table": str(tmp_path / "groove.csv"), f"cam{i}.radius": 0.5}
+    fmu = make().start(values)
+    fmu.set({"alpha": -1024.0})
+    tau = INVERSE.references(["tau"])
+    fmu.refused("GetReal", tau, 1, (ctypes.c_double * 1)(), mentions=("wedge", "loading"))

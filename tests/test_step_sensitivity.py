@@ -216,6 +216,19 @@ def test_a_jump_that_comes_later(make_model):
     assert found == [pytest.approx(expected, rel=1e-6), 0.0]
 
 
+def test_a_speed_that_grows_like_the_root_of_time(make_model):
+    """Helices and a constant load, from the time s at which the torque leaves the band: omega grows like
+    sqrt(t - s), a shift of the torque moves s by -1/rate, and the shift moves theta by omega/rate."""
+    h, rate = 0.05, 3.0
+    fmu = make_model(FORWARD).start(LOW | ROOT | {"spring.stiffness": 0.0})
+    fmu.set({"tau": fmu.get("torque_load") - 0.2 * rate * h})
+    fmu.set_rates(tau=rate)
+    fmu.step(h)
+    omega = fmu.get("omega")
+    assert fmu.get("step.dtheta_dtau") == pytest.approx(omega / rate, rel=1e-8)
+    assert fmu.get("step.domega_dtau") == pytest.approx(omega / (1.6 * rate * h), rel=1e-12)
+
+
 @pytest.mark.parametrize("values", [{}, ELLIPSES])
 def test_of_the_step_as_it_was_made(make_model, values):
     """Neither inputs nor tunable parameters that are set afterwards change it; the next step has its own."""

@@ -40,3 +40,20 @@ def test_a_motion_damped_at_once_turns_at_the_right_place(make, friction, omega,
     assert fmu.get("mode") == expected.mode
     for name in (n for n in VARIABLES if n.startswith("energy.heat") or n == "energy.work_in"):
         assert fmu.get(name) == pytest.approx(expected.energy[name.removeprefix("energy.")], abs=1e-10)
+
+
+def test_years_instead_of_seconds_change_no_energy(make):
+    """The same motion in a unit of time of 1e10 s: masses times its square, dampers times the unit."""
+    unit, way = 1e10, {"initial.theta": 0.4, "cam1.friction": 0.0, "cam2.friction": 0.0}
+    slow = {name: unit * value for name, value in DAMPING.items()} | {"initial.omega": -4e5 / unit}
+    parameters = HELICES | STOPS | way | FORCES | slow | {"inertia.shaft": 1e-12 * unit**2}
+    interval = Interval(unit, -0.02, 0.0, 0.0, -30.0 / unit)
+    (expected,) = reference.simulate_exact(parameters, [interval])
+    fmu = make().start(parameters)
+    fmu.set({"tau": interval.tau, "F_ext": 0.0})
+    fmu.set_rates(F_ext=interval.F_ext_rate)
+    fmu.ok("fmi2DoStep", 0.0, unit, 1)
+    assert fmu.get("theta") == pytest.approx(expected.theta, abs=1e-11)
+    assert unit * fmu.get("omega") == pytest.approx(unit * expected.omega, abs=1e-9)
+    for name in ("energy.heat_damper", "energy.work_in", "energy.work_ext"):
+        assert fmu.get(name) == pytest.approx(expected.energy[name.removeprefix("energy.")], abs=1e-10)

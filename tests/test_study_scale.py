@@ -195,6 +195,20 @@ def test_workers_killed_in_the_middle_of_a_file(tmp_path):
     every_run_once(tmp_path, one)
 
 
+def test_a_process_of_a_study_loads_neither_scipy_nor_pydantic():
+    """Each process imports dualcam.study before it computes: SciPy alone takes half a second. The names of
+    optimisations and of files are loaded at their first use."""
+    program = (
+        "import sys, dualcam.study.chunk as _;"
+        "print({'scipy', 'pydantic', 'dualcam.design'} & set(sys.modules));"
+        "from dualcam.study import *; assert all(map(callable, (optimise, read_optimisation, read_study)))"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert (done.stdout, done.stderr) == ("set()\n", "")
+    with pytest.raises(AttributeError, match="no attribute 'optimize'"):
+        __import__("dualcam.study").study.optimize  # noqa: B018
+
+
 # ---- rows that are asked for ----
 
 

@@ -110,3 +110,24 @@ def test_a_motion_keeps_its_flanks_while_the_axial_load_passes_zero(make_model):
         found.append(fmu.get("theta"))
     assert found[0] > 1e-4
     assert found == pytest.approx([found[0]] * 3, rel=1e-8)
+
+
+def test_a_motion_stops_where_the_torque_comes_back_into_the_stick_band(make_model):
+    """The damper still presses on the flanks of the motion while the spring's load F has changed its sign:
+    tau = rho (F + q v^2). At rest the other flanks lock under F and hold tau from F = -tau/rho_locked on."""
+    pin, mu, tau, start = Pin(helix(0.016, 0.12), helix(0.035, 0.12)), 0.5, 1.0, 0.2
+    place = pin.at(start)
+    rho, locked = (edge(place, (mu, mu), 1, sign)[0] for sign in (1.0, -1.0))
+    assert locked > 0.0
+    z, force, least = place.lift * start, 0.1 * tau / rho, -tau / locked  # F falls from `force` to `least`
+    softening = (force - least) / (0.21 * z * z)  # F = preload - softening z^2: `least` after 1.1 z
+    speed = [math.sqrt((tau / rho - load) / SQUARE) for load in (force, least)]
+    h = 0.2 * z / sum(speed)  # s, up to there
+    values = pin.values | {"cam1.friction": mu, "cam2.friction": mu, "initial.theta": start, "tau": tau}
+    values |= {"spring.preload": force + softening * z * z, "spring.stiffness": 0.0, "inertia.shaft": 0.0}
+    values |= {"spring.stiffness2": -softening, "damper.q_load": SQUARE, "stop.upper": 10.0}
+    fmu = make_model(models["DualCamForward"]).start(values, tolerance=1e-4)
+    for length in (0.01 * h, 1.4 * h):  # the first step begins at rest
+        fmu.step(length)
+    assert fmu.get("theta") == pytest.approx(1.1 * start, rel=1e-9)
+    assert fmu.get("omega") == 0.0

@@ -26,16 +26,18 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.integrate import OdeSolution, solve_ivp
-from scipy.optimize import brentq
 
 from dualcam.design.grooves import Ellipse, Groove, Helix, Table
 from dualcam.design.mechanism import Spring, check_pair
 from dualcam.design.statics import Array, DesignError, sign_of, transfer
 from dualcam.design.torque import Torque, WantedTorque, wanted_torque
+
+if TYPE_CHECKING:
+    from scipy.integrate import OdeSolution
 
 SOLVER = {"method": "DOP853", "rtol": 3e-14, "atol": 1e-18, "dense_output": True}
 STEPS = 200  # at least, so that the solver's dense output is as exact as its steps
@@ -97,6 +99,8 @@ class GrooveProblem:
     def solve(self) -> GrooveSolution:
         """The state over theta, integrated to rounding and then checked. DesignError where no groove gives
         the torque."""
+        from scipy.integrate import solve_ivp
+
         theta, state = self.start()
         spans = []
         for end in (*(kink for kink in self.kinks if kink > theta), self.upper):
@@ -160,6 +164,8 @@ class GrooveProblem:
                 f"torque rises with {rise:.6g} N.m/rad at theta = 0 with spring.preload = 0: with"
                 f" {self.spring.stiffness:g} N/m allowed is {values[0] + rise:.6g} to {highest:.6g} N.m/rad"
             )
+        from scipy.optimize import brentq
+
         return math.exp(brentq(excess, low, ends[last], xtol=1e-15))
 
     def largest(self) -> float:

@@ -8,7 +8,6 @@ from numbers import Real
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.interpolate import CubicSpline
 
 from dualcam.design.statics import Array, DesignError
 
@@ -107,4 +106,6 @@ def _spline(angle: Array, value: Array, upper: float) -> Torque:
             f"torque: samples from {angle[0]:g} to {angle[-1]:g} rad ({low} to {high} deg): allowed are"
             f" samples that cover 0 to upper = {upper:g} rad ({end} deg)"
         )
+    from scipy.interpolate import CubicSpline
+
     return CubicSpline(angle, value)

@@ -31,14 +31,16 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.integrate import simpson
-from scipy.interpolate import CubicSpline
 
 from dualcam.design.hertz import Pin, relative_radius
 from dualcam.design.mechanism import POINTS, Mechanism, check_pair
 from dualcam.design.statics import Array, DesignError, band
+
+if TYPE_CHECKING:
+    from scipy.interpolate import CubicSpline
 
 LARGEST_DEPTH = 0.25  # of the pin's radius: deeper wear changes the contact too much for these formulas
 SAME_PLACE = 1e-12  # rad: a pin that moves less along a groove stands still
@@ -294,6 +296,8 @@ def wear(
     >>> round(found.life(0.1e-3).cycles)  # until 0.1 mm, near the upper stop
     1482585
     """
+    from scipy.integrate import simpson
+
     first, second = check_pair("wear rates", rates, 0.0)
     if points < 5:
         raise DesignError(f"points = {points}: allowed is 5 or more")
@@ -376,6 +380,8 @@ def _worn(wear: Wear, cycles: float) -> WornMechanism:
 
 def _lowering(psi: Array, way: Array) -> CubicSpline:
     """Way along the axis by which a groove is lowered, over psi; the same beyond the ends."""
+    from scipy.interpolate import CubicSpline
+
     places = np.concatenate([[True], np.diff(psi) > SAME_PLACE])
     if places.sum() < 4:
         return CubicSpline([0.0, 1.0], [way.max()] * 2)  # the pin stands still in this groove

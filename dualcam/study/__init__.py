@@ -17,17 +17,30 @@ Everything goes through FMI alone: it works with any FMU of FMI 2.0 or FMI 3.0. 
 plan.toml` is the same on the command line.
 """
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 from dualcam.module_calls import explain_call_of
 from dualcam.study.evaluator import Evaluator
-from dualcam.study.optimisation import Deviation, FmuRuns, Optimisation, Optimum, optimise, read_optimisation
 from dualcam.study.plan import Plan
 from dualcam.study.problem import StudyError
-from dualcam.study.reading.study_file import read_study
 from dualcam.study.results import Results, read_results
 from dualcam.study.sampling.correlation import Correlation
 from dualcam.study.sampling.vary import Vary
 from dualcam.study.scenario import Controller, History, Scenario
 from dualcam.study.study import Study
+
+if TYPE_CHECKING:
+    from dualcam.study.optimisation import (
+        Deviation,
+        FmuRuns,
+        Optimisation,
+        Optimum,
+        optimise,
+        read_optimisation,
+    )
+    from dualcam.study.reading.study_file import read_study
 
 __all__ = [
     "Controller",
@@ -49,5 +62,30 @@ __all__ = [
     "read_results",
     "read_study",
 ]
+
+# Loaded at the first use: a process that only computes runs does without them and without pydantic.
+_MODULE_OF = {
+    "Deviation": "optimisation",
+    "FmuRuns": "optimisation",
+    "Optimisation": "optimisation",
+    "Optimum": "optimisation",
+    "optimise": "optimisation",
+    "read_optimisation": "optimisation",
+    "read_study": "reading.study_file",
+}
+
+if not TYPE_CHECKING:  # type checkers see the imports above, and report other names
+
+    def __getattr__(name: str) -> object:
+        from importlib import import_module
+
+        if name not in _MODULE_OF:
+            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        value = globals()[name] = getattr(import_module(f"{__name__}.{_MODULE_OF[name]}"), name)
+        return value
+
+    def __dir__() -> list[str]:
+        return sorted(__all__)
+
 
 explain_call_of(__name__)

@@ -128,18 +128,18 @@ static bool turns_at_stop(const SlipMode *slip, const StopAhead *stop, const Rad
     const double doubt = p->tolerance * fabs(end->rhs.by_omega * end->omega); /* of alpha, by the error of the speed */
     const double braking = -slip->direction * end->alpha - doubt;
     if (!(braking > 0.0)) return false;
-    const double beyond = end->omega * end->omega / (2.0 * braking), largest = largest_angle(p); /* rad */
-    if (beyond <= LOCATION_STOP_ROUNDING * largest) return true;
+    const double beyond = end->omega * end->omega / (2.0 * braking); /* rad */
+    if (beyond <= LOCATION_STOP_ROUNDING * largest_angle(p)) return true;
     const double kinetic = kinetic_energy_of(&p->inertia, end->dz_dtheta, end->dpsi_dtheta[0], end->omega);
     const double gained = stop->energy_gained + step->energy_gained;
-    return beyond <= p->tolerance * largest && kinetic <= LOCATION_STOP_GAIN * gained;
+    return beyond <= angle_tolerance(p) && kinetic <= LOCATION_STOP_GAIN * gained;
 }
 
 /* A step with a turn at the stop ends beyond the stop no farther than that. In a slow motion the speed is as small, and
  * the acceleration is rounding: such a motion goes on beyond the stop. */
 static bool ends_at_stop(const SegmentLimits *limits, const RadauStep *step) {
     const Params *p = limits->slip->params;
-    return step_indicator_at_end(limits, STEP_TO_STOP, step) >= -p->tolerance * largest_angle(p);
+    return step_indicator_at_end(limits, STEP_TO_STOP, step) >= -angle_tolerance(p);
 }
 
 /* ---- the first event ---- */
@@ -195,10 +195,8 @@ static bool end_on_first_event(const SegmentLimits *limits, const StopAhead *sto
 
 /* Does friction act on each contact that has a friction coefficient, by more than rounding? */
 COMPACT static bool friction_acts(const SlipMode *slip, const Balance *b) {
-    const double load = balance_load_size(slip->params, b->force, b->damper, b->dz_dtheta * b->alpha);
-    bool acts = true;
-    for (int i = 0; i < 2; i++) acts &= b->friction[i] == 0.0 || balance_is_firm(slip, i, b->x[i], b->axial[i], load);
-    return acts;
+    const int firm = balance_firm_contacts(slip, b);
+    return ((firm & 1) || b->friction[0] == 0.0) && ((firm & 2) || b->friction[1] == 0.0);
 }
 
 /* A contact without load, as on a dwell, can jam where the next piece of the transmission begins. The mechanism then stays
@@ -237,9 +235,7 @@ static void propose_next(const StepProposal *first, double to_breakpoint, EventL
 COMPACT static double departure_time(const SegmentLimits *limits, const Balance *start) {
     const SlipMode *slip = limits->slip;
     if (slip->regime != REGIME_INERTIAL || !limits->has_friction || !(start->rhs.by_omega > 0.0)) return INFINITY;
-    const double load = balance_load_size(slip->params, start->force, start->damper, start->dz_dtheta * start->alpha);
-    for (int i = 0; i < 2; i++)
-        if (balance_is_firm(slip, i, start->x[i], start->axial[i], load)) return INFINITY;
+    if (balance_firm_contacts(slip, start) != 0) return INFINITY;
     return LOCATION_DEPARTURE / start->rhs.by_omega;
 }
 

@@ -140,6 +140,12 @@ static double share_until(const LobattoValues *v, double to, bool up) {
     return bernstein_descent(&missing);
 }
 
+/* Is the load at the start one of its patch, or beyond a knot by no more than a step may pass? A first guess has chosen
+ * the patch, before the load was known. */
+COMPACT static bool starts_on_patch(const KnotCell *cell, double overshoot, double from) {
+    return from >= cell->lower - overshoot * cell->beside[0] && from <= cell->ahead[1] + overshoot * cell->beside[1];
+}
+
 /* Does the reaction stay between the loads of its patch, or pass one no farther than a step may? If not, a shorter step
  * can end at that load. */
 COMPACT static bool stays_on_patch(LobattoSystem *s, int i, const LobattoValues *total) {
@@ -150,6 +156,7 @@ COMPACT static bool stays_on_patch(LobattoSystem *s, int i, const LobattoValues 
     const LobattoRange range = lobatto_range(&reaction);
     const double from = reaction.at[0];
     const KnotCell cell = friction_table_cell(table->load, table->loads, s->span[i]);
+    if (!starts_on_patch(&cell, s->slip->law[i].fall.overshoot, from)) return false;
     const bool up = range.high - from > from - range.low;
     const KnotSteps step = knot_steps(&cell, &cell, s->slip->law[i].fall.overshoot, (Vector2){from, from}, up);
     const bool stays = up ? range.high - from <= step.longest[0] : from - range.low <= step.longest[0];

@@ -456,9 +456,10 @@ ALWAYS_INLINE static inline bool solve_with(LobattoSystem *s, const EndAngle *en
         if (slip->inputs_are_constant) find_inputs(s);
         guess_step(s, end);
     }
+    const bool length_changes = end->given || (varies && s->end_speed.given);
+    const bool inputs_change = length_changes && !slip->inputs_are_constant;
     for (int n = 0; n < LOBATTO_SWEEPS; n++) {
         const double end_before = s->dtheta.at[LOBATTO_END];
-        const bool inputs_change = end->given && !slip->inputs_are_constant;
         if ((n == 0 && !(varies && slip->inputs_are_constant)) || inputs_change) find_inputs(s);
         const LobattoValues change = sweep(s, varies, n == 0);
         const double size = lobatto_largest(lobatto_range(&change));

@@ -65,9 +65,9 @@ static double p_size(const SlipMode *slip, const SlipCoefficients *k) {
 
 static double force_size(const SlipMode *slip, const Balance *balance) {
     const SpringParams *spring = &slip->params->spring;
-    const double z = fabs(balance->z) + TRANSMISSION_TERM_SHARE * slip->transmission->z_size;
+    const double rounded = TRANSMISSION_TERM_SHARE * slip->transmission->z_size;
     return fabs(spring->preload) + fabs(balance->F_ext) + fabs(balance->damper) +
-           z * (fabs(spring->stiffness) + z * (fabs(spring->stiffness2) + z * fabs(spring->stiffness3)));
+           spring_terms(spring, balance->z, rounded);
 }
 
 /* Of alpha. */

@@ -74,7 +74,8 @@ COMPACT static bool is_single(const LoadedPin *pin, const LoadedContacts *c) {
     for (int i = 0; i < 2; i++) {
         const double r = pin->params->cam[i].radius;
         contact_factors_set(&f, i, r, c->friction[i], pin->slope[i]);
-        single &= !(c->tangent.rn[i] <= 0.0 && f.rn[i] > -LOADED_NO_TORQUE * r * pin->slope[i]);
+        const bool passes = f.rn[i] > -LOADED_NO_TORQUE * r * pin->slope[i];
+        single &= !(c->tangent.rn[i] <= 0.0 && passes && c->mu[i].by_load != 0.0);
     }
     contact_factors_multiply(&f);
     const bool grows = c->tangent.rn[0] > 0.0 && c->tangent.rn[1] > 0.0 && c->tangent.delta > 0.0;

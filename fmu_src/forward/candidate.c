@@ -130,7 +130,7 @@ static bool is_visible(double x, double size) {
  * by then. */
 COMPACT static void drop_faint_rate(Candidate *candidate, int i, double dt) {
     ContactLoad *c = &candidate->contact[i];
-    const bool against = c->rate * c->second < 0.0 && is_visible(c->second, candidate->size[i].value);
+    const bool against = c->rate * c->second < 0.0;
     if (against && !is_visible(c->rate * dt, candidate->size[i].value)) c->rate = 0.0;
 }
 
@@ -178,6 +178,13 @@ static double noise_of_angle(const Mechanism *m, const SlipMode *slip, const Bal
 static double steady_time(const SlipMode *slip, const Balance *now) {
     const double left = slip->direction > 0 ? slip->piece->upper - now->theta : now->theta - slip->piece->lower;
     return min_of(CANDIDATE_STEADY, max_of(left, DBL_MIN) / fabs(now->omega));
+}
+
+COMPACT bool is_quotient_of_zeros(const Mechanism *m, int index) {
+    const SlipMode slip = slip_mode_from_here(m, index);
+    if (slip.regime != REGIME_INERTIAL || !slip.friction_varies || slip.friction_is_loaded) return false;
+    const RightHandSide rhs = balance_from_here(m, &slip).rhs;
+    return fabs(rhs.value) <= REACTION_ZERO_SHARE * CANDIDATE_COARSE_VARYING * rhs.size;
 }
 
 static Candidate general_candidate(const Mechanism *m, int index) {

@@ -30,6 +30,11 @@ Candidate candidate_of(const Mechanism *m, int index);
  * *built stays unchanged. */
 Candidate candidate_building(const Mechanism *m, int index, LinearSlipMode *built);
 
+/* With inertia and friction that varies with the speed alone: is alpha = N/D the quotient of two zeros where no step goes
+ * on along this slip mode, D = 0? N vanishes to rounding. Contacts that hold the speed at the limit of a jam come there as
+ * the load vanishes that holds them (collocation/step_indicator.h). */
+bool is_quotient_of_zeros(const Mechanism *m, int index);
+
 /* Is the motion known in closed form under the present inputs? */
 bool is_closed_form(const Mechanism *m);
 

@@ -47,9 +47,7 @@ static double speed_at_end(const Mechanism *m, const SlipMode *slip, double thet
  * rounding, but a contact that has left its flank tells the sign of A. */
 COMPACT static int load_after(const SlipMode *slip, const Balance *end) {
     if (slip->regime != REGIME_INERTIAL || slip->params->inertia.follower != 0.0) return 0;
-    const double size = balance_load_size(slip->params, end->force, end->damper, end->dz_dtheta * end->alpha);
-    for (int i = 0; i < 2; i++)
-        if (balance_is_firm(slip, i, end->x[i], end->axial[i], size)) return 0;
+    if (balance_firm_contacts(slip, end) != 0) return 0;
     const int load = -slip->flank[0] * sign_of(end->axial[0]);
     return load == -slip->flank[1] * sign_of(end->axial[1]) ? load : 0;
 }
@@ -245,16 +243,11 @@ bool collocation_slip_quiet(const Mechanism *m, double h, LobattoHint *hint, Seg
 
 /* ---- the next segment in the same mode ---- */
 
-/* Is each contact on its flank by more than rounding? Else the rate of its reaction decides, which needs a decision. */
-static bool is_firm(const Mechanism *m, const SlipMode *slip, const Balance *b) {
-    const double load = balance_load_size(&m->params, b->force, b->damper, b->dz_dtheta * b->alpha);
-    return balance_is_firm(slip, 0, b->x[0], b->axial[0], load) && balance_is_firm(slip, 1, b->x[1], b->axial[1], load);
-}
-
-/* Would a decision find this slip mode again? The test is sufficient, not necessary. */
+/* Would a decision find this slip mode again? The test is sufficient, not necessary. Where a contact is on its flank by
+ * no more than rounding, the rate of its reaction decides, which needs a decision. */
 static bool goes_on(const Mechanism *m, const SlipMode *slip, const Balance *start) {
     if (!start->rhs.possible || !(slip->direction * start->omega > 0.0)) return false;
-    if (has_friction(&m->params) && !is_firm(m, slip, start)) return false;
+    if (has_friction(&m->params) && balance_firm_contacts(slip, start) != FIRM_BOTH) return false;
     if (slip->regime == REGIME_INERTIAL) return true;
     return slip->regime == REGIME_VISCOUS && start->rhs.stable && is_driven(m, slip);
 }

@@ -49,13 +49,20 @@ static bool agrees(const Mechanism *m, int index, const Candidate *candidate, bo
     return flank_agrees(candidate, direction, flank[0], 0) && flank_agrees(candidate, direction, flank[1], 1);
 }
 
+/* The sign with which F_ext leaves its value; 0: F_ext is constant. */
+static int load_trend(const Mechanism *m) {
+    for (int k = 1; k <= INPUT_ORDER; k++)
+        if (m->inputs.F_ext[k] != 0.0) return sign_of(m->inputs.F_ext[k]);
+    return 0;
+}
+
 /* Sign of the axial load when motion in `direction` begins or continues. */
 static int load_sign(const Mechanism *m, int direction) {
     const double v = has_inertia(&m->params) ? m->configuration.geometry.dz_dtheta * m->state.omega.hi : 0.0;
     const double force = stick_axial_load(m) + damper_force(&m->params.damper, direction, v);
     if (fabs(force) > stick_tie(m) * stick_axial_size(m)) return sign_of(force);
-    for (int k = 1; k <= INPUT_ORDER; k++)
-        if (m->inputs.F_ext[k] != 0.0) return sign_of(m->inputs.F_ext[k]);
+    const int trend = load_trend(m);
+    if (trend != 0) return trend;
     return m->params.spring.stiffness != 0.0 ? direction : 1;
 }
 
@@ -178,6 +185,15 @@ static int slip_across_zero(const Mechanism *m, int present, const Candidate *ca
     }
     return slip_index(direction, flank);
 }
+
+/* Without inertia and damping, where no pair of flanks agrees: F_0 is zero and F_ext lifts F_0 in the direction in which the
+ * torque is beyond the band. A contact locks where F_0 has the other sign, so that the motion follows F_0 = 0 (jump.c).
+ * The index of the flanks of the coming load, or -1. */
+static int unloaded_slip(const Mechanism *m, int direction) {
+    const int flank[2] = {direction, direction}, index = slip_index(direction, flank);
+    if (!stick_is_unloaded(m) || load_trend(m) != direction) return -1;
+    return slip_mode_from_here(m, index).regime == REGIME_RATE_INDEPENDENT ? index : -1;
+}
 COMPACT_END
 
 /* Does the motion go on along the pair `index`? */
@@ -210,7 +226,8 @@ static Decision decide_at_rest(const Mechanism *m, LinearSlipMode *built) {
     /* The loads of a slip that begins later do not tell the flanks now. */
     if (!stick_excess_grows(m, direction)) return (Decision){.mode = MODE_STICK, .slip_index = -1};
     const int kept = kept_flanks(m, direction, built);
-    const int index = kept >= 0 ? kept : find_slip_mode(m, direction, FROM_REST, built);
+    int index = kept >= 0 ? kept : find_slip_mode(m, direction, FROM_REST, built);
+    if (index < 0) index = unloaded_slip(m, direction);
     /* No slip mode agrees, and the torque is on the edge: rounding decides whether it is inside or beyond. */
     if (index < 0 && stick_is_on_edge(m, direction)) return (Decision){.mode = MODE_STICK, .slip_index = -1};
     return (Decision){.mode = index < 0 ? MODE_WEDGED : slip_mode(direction), .slip_index = index};
@@ -277,7 +294,7 @@ bool leave_lost_flanks(Mechanism *m) {
         int flank[2];
         flank_pair(k, sign, flank);
         const int index = slip_index(direction, flank);
-        if (index == present) continue;
+        if (index == present || is_quotient_of_zeros(m, index)) continue;
         const Candidate candidate = candidate_of(m, index);
         if (!candidate.stable || !agrees(m, index, &candidate, at_rest)) continue;
         slip_flanks(index, m->state.flank);

@@ -30,7 +30,7 @@ int slip_mode_of_moving(Mechanism *m, int direction);
 void let_go(Mechanism *m, int direction);
 
 /* The present flanks have lost their motion, although a decision finds them possible: takes the first other pair that
- * agrees; false if there is none. */
+ * agrees and has a motion; false if there is none. */
 bool leave_lost_flanks(Mechanism *m);
 
 /* Does rate-independent slip begin with a jump? True unless the torque is on the edge of the stick band already. */

@@ -84,10 +84,11 @@ static bool nothing_resists(const Mechanism *m) {
 
 /* Without inertia: does the torque exceed what friction can resist at any speed? Friction that grows with the speed
  * resists by at most the limit of rho F_0 for mu to infinity, which is finite if the other contact does not lock. Where
- * friction depends on the load, a contact locks instead (loaded_contacts.h). */
+ * friction depends on the load, too, the pair of the slow motion has no more answer from some speed on. Hardly any inertia
+ * would move in jerks: to this speed, to rest, and on again. */
 static bool no_speed_balances(const Mechanism *m) {
-    return !has_inertia(&m->params) && !m->model.friction_is_loaded && any_friction_varies(&m->params) &&
-           m->state.mode == MODE_WEDGED && stick_direction_beyond_band(m) != 0;
+    return !has_inertia(&m->params) && any_friction_varies(&m->params) && m->state.mode == MODE_WEDGED &&
+           stick_direction_beyond_band(m) != 0;
 }
 
 /* ---- one segment ---- */
@@ -124,9 +125,11 @@ static bool propose_segment(Mechanism *m, double left, EventLocation *location, 
 
 /* Under friction that depends on the load a pair of flanks can lose its motion while the mechanism moves: two answers of
  * the balance meet, and no step, however short, goes on. Where another pair agrees, the motion goes on along that pair
- * with the same speed; rigid contacts stop a motion only where no pair is possible. */
+ * with the same speed; rigid contacts stop a motion only where no pair is possible. So do contacts that hold the speed at
+ * the limit of a jam where both parts of alpha = N/D vanish: they let go (collocation/step_indicator.h). */
 static bool goes_beyond_loss(Mechanism *m, const Segment *segment) {
-    const bool lost = segment->kind == SEGMENT_JAM && m->model.friction_is_loaded && is_slip(m->state.mode);
+    const bool lost = segment->kind == SEGMENT_JAM && is_slip(m->state.mode) &&
+                      (m->model.friction_is_loaded || is_quotient_of_zeros(m, present_slip_index(m)));
     return lost && leave_lost_flanks(m);
 }
 
@@ -220,8 +223,8 @@ static const char *reason_of(const Mechanism *m, Outcome outcome) {
         return "nothing resists the motion on a dwell, where inertia.shaft, or without any inertia shaft.damping, must "
                "be > 0";
     if (outcome == OUTCOME_NOT_FINITE && no_speed_balances(m))
-        return "without inertia no speed balances the torque: friction that grows with the speed resists less, so "
-               "inertia.shaft must be > 0";
+        return "without inertia no speed balances the torque under friction that grows with the speed, so inertia.shaft "
+               "must be > 0";
     switch (outcome) {
         case OUTCOME_NOT_FINITE: return "the motion leaves the range of numbers";
         case OUTCOME_TOO_MANY_JAMS: return "the contacts jam and let go without end";

@@ -16,20 +16,23 @@ double stick_axial_load(const Mechanism *m) {
     return spring_force(&m->params.spring, m->configuration.z) + m->inputs.F_ext[0];
 }
 
-/* The size of the terms of F_0 at |z| = `z`, under the external load F_ext. */
-static double terms_of_load(const Mechanism *m, double z, double F_ext) {
+/* The size of the terms of F_0 under the external load F_ext; `rounded`: m, see spring_terms(). */
+static double terms_of_load(const Mechanism *m, double rounded, double F_ext) {
     const SpringParams *s = &m->params.spring;
-    return fabs(s->preload) + z * (fabs(s->stiffness) + z * (fabs(s->stiffness2) + z * fabs(s->stiffness3))) +
-           fabs(F_ext);
+    return fabs(s->preload) + spring_terms(s, m->configuration.z, rounded) + fabs(F_ext);
 }
 
 /* The size of the terms of F_0, whose rounding is that of the largest z, too. */
 static double axial_size(const Mechanism *m, double F_ext) {
-    return terms_of_load(m, fabs(m->configuration.z) + STICK_HEIGHT_SHARE * m->model.transmission.z_size, F_ext);
+    return terms_of_load(m, STICK_HEIGHT_SHARE * m->model.transmission.z_size, F_ext);
 }
 
 double stick_axial_size(const Mechanism *m) {
     return axial_size(m, m->inputs.F_ext[0]);
+}
+
+bool stick_is_unloaded(const Mechanism *m) {
+    return fabs(stick_axial_load(m)) <= STICK_TIE_CURVED * stick_axial_size(m);
 }
 
 /* m/rad, the size of the rounding of an edge factor by that of the slopes. With rho = 1/(kappa_1 + kappa_2) of section 3
@@ -57,7 +60,7 @@ static double slope_terms(const Mechanism *m) {
 static double edge_size(const Mechanism *m, double factor, double F_ext) {
     if (m->model.transmission.straight) return fabs(factor) * axial_size(m, F_ext);
     const double lever = fabs(factor) + m->configuration.geometry.dz_dtheta;
-    return lever * axial_size(m, F_ext) + slope_terms(m) * terms_of_load(m, fabs(m->configuration.z), F_ext);
+    return lever * axial_size(m, F_ext) + slope_terms(m) * terms_of_load(m, 0.0, F_ext);
 }
 
 double stick_torque_size(const Mechanism *m, double factor) {

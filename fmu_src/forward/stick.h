@@ -20,6 +20,9 @@ double stick_axial_load(const Mechanism *m); /* F_0, N */
 double stick_axial_size(const Mechanism *m);
 double stick_torque_size(const Mechanism *m, double factor);
 
+/* Is F_0 zero, to the rounding of a reaction? */
+bool stick_is_unloaded(const Mechanism *m);
+
 /* The band's edges per F_0 > 0 at the present angle. */
 BandFactors stick_band(const Mechanism *m);
 

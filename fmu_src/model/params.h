@@ -109,6 +109,11 @@ static inline double largest_angle(const Params *p) {
     return max_of(fabs(p->stop.upper), fabs(p->stop.lower));
 }
 
+/* rad: the error that the tolerance allows theta */
+static inline double angle_tolerance(const Params *p) {
+    return p->tolerance * largest_angle(p);
+}
+
 /* rad: the end stop ahead in `direction` (+1 or -1) */
 static inline double stop_ahead(const StopParams *stop, int direction) {
     return direction > 0 ? stop->upper : stop->lower;

@@ -59,6 +59,9 @@ static const double QUADRATURE_PEAK_ROUNDING = 4.0 * DBL_EPSILON;
 
 /* ---- model ---- */
 
+/* Share s of spring_terms(), at most: where F_s begins with z^2 or z^3, the rounding of z changes F_s at z = 0 in second order. */
+static const double SPRING_BENDS = 2e-12;
+
 /* Bytes of a file of numbers. Samples of a friction table: three give the curve a bend; steps end at each. LARGEST_ENERGY:
  * J, of one segment; 2^63 segments add up to a finite number. */
 enum { CSV_MAX_BYTES = 16 * 1024 * 1024, FRICTION_SAMPLES_MIN = 3, FRICTION_SAMPLES_MAX = 2000 };
@@ -431,6 +434,9 @@ enum { PLAY_PEAK_PARTS = 4, PLAY_GOLDEN_STEPS = 40 };
 
 /* Play operator: bounds of the work of one jump. 53 bisections of an interval reach two neighbouring numbers. */
 enum { PLAY_MAX_DEPTH = 30, PLAY_MAX_HALVINGS = 5000, PLAY_MAX_BISECTIONS = 200, PLAY_KINK_BISECTIONS = 100 };
+
+/* Along F_0 = 0: halvings of the way ahead toward the end of a locked contact, beyond which its angle is rounding. */
+enum { PLAY_HALVINGS_TO_LOCK = 40 };
 
 /* Moving contacts can jam and let go again at once. Without inertia of the shaft a locked contact can do so for ever,
  * in ever shorter time: rigid bodies under Coulomb friction then have no motion at all (P. Painleve, 1895). */

@@ -65,10 +65,12 @@ void edge_delays(const Mechanism *m, int direction, double omega, const Variatio
         delay[known] = finite_or_zero(exists ? (slope * x->theta[known] - by[known]) / rate : 0.0);
 }
 
+/* Of a central difference of order 4, times 12. */
+static const double offset[4] = {-2.0, -1.0, 1.0, 2.0}, weight[4] = {1.0, -8.0, 8.0, -1.0};
+
 /* The change of the speed is the time derivative of the change of theta, by a central difference of order 4 along the
  * motion. F_ext varies at most by a small share of F_0. */
 void edge_speed_give(const SlipMode *slip, double theta, double omega, Variation *x) {
-    static const double offset[4] = {-2.0, -1.0, 1.0, 2.0}, weight[4] = {1.0, -8.0, 8.0, -1.0};
     const Inputs *in = slip->inputs;
     const Excess now = edge_excess(slip, theta);
     Balance here;
@@ -83,6 +85,29 @@ void edge_speed_give(const SlipMode *slip, double theta, double omega, Variation
         const Excess excess = edge_excess(&moved, theta + omega * offset[k] * t);
         for (int known = x->first; known < x->end; known++)
             x->omega[known] += weight[k] * (give(&excess, known) - give(&now, known)) / (12.0 * t);
+    }
+}
+
+/* ---- along F_0 = 0 ---- */
+
+bool edge_is_unloaded(const Mechanism *m) {
+    const double slope = spring_rate(&m->params.spring, m->configuration.z) * m->configuration.geometry.dz_dtheta;
+    return stick_is_unloaded(m) && slope < 0.0;
+}
+
+double unloaded_give(const SlipMode *slip, double theta, int known) {
+    const TransmissionPoint point = piece_at(slip->piece, theta);
+    const Geometry g = cam_geometry(slip->params->cam, point.slope);
+    const double slope = spring_rate(&slip->params->spring, point.z) * g.dz_dtheta;
+    return -balance_force_by(slip, (Known)known, 1.0, point.z, 0.0) / slope;
+}
+
+void unloaded_speed_give(const SlipMode *slip, double theta, double omega, Variation *x) {
+    const double t = SENSITIVITY_DIFFERENCE * (slip->piece->upper - slip->piece->lower) / fabs(omega);
+    for (int known = x->first; known < x->end; known++) {
+        x->omega[known] = 0.0;
+        for (int k = 0; k < 4; k++)
+            x->omega[known] += weight[k] * unloaded_give(slip, theta + omega * offset[k] * t, known) / (12.0 * t);
     }
 }
 

@@ -79,6 +79,15 @@ static void carry_along_edge(const Mechanism *m, const SlipMode *slip, Carried *
     v->late = true;
 }
 
+/* Where F_0 has fallen to zero, at the end of a jump that comes later. */
+static void carry_to_unloaded(const Mechanism *m, int direction, Carried *v) {
+    const int flank[2] = {direction, direction};
+    const SlipMode slip = slip_mode_from_here(m, slip_index(direction, flank));
+    const double theta = m->state.theta.hi, speed = unloaded_give(&slip, theta, KNOWN_F_EXT) * m->inputs.F_ext[1];
+    for (int known = v->x.first; known < v->x.end; known++)
+        v->x.theta[known] = unloaded_give(&slip, theta, known) + speed * v->delay[known];
+}
+
 /* At the end of a jump that comes later by dt, d theta is (d(tau - E) + rate dt)/E'. The rate is that of the torque
  * beyond the edge. */
 static void carry_over_jump(const Mechanism *m, int direction, double duration, Carried *v) {
@@ -86,6 +95,10 @@ static void carry_over_jump(const Mechanism *m, int direction, double duration, 
     v->moved = true;
     if (duration > 0.0) clear_delay(v);
     clear(v->x.theta);
+    if (edge_is_unloaded(m)) {
+        carry_to_unloaded(m, direction, v);
+        return;
+    }
     if (!edge_slip(m, direction, &slip)) return;
     const Excess excess = edge_excess(&slip, m->state.theta.hi);
     edge_give(m, &excess, &v->x);
@@ -296,6 +309,8 @@ static void find_speed(const Mechanism *m, Variation *x) {
     const SlipMode slip = present_slip(m);
     const double omega = m->state.omega.hi;
     if (omega == 0.0) clear(x->omega);
+    else if (slip.regime == REGIME_RATE_INDEPENDENT && edge_is_unloaded(m))
+        unloaded_speed_give(&slip, m->state.theta.hi, omega, x);
     else if (slip.regime == REGIME_RATE_INDEPENDENT) edge_speed_give(&slip, m->state.theta.hi, omega, x);
 }
 

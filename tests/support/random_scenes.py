@@ -2,9 +2,10 @@
 inputs."""
 
 import math
+from pathlib import Path
 
 from driver import OK, Driver
-from hypothesis import assume
+from hypothesis import assume, note
 from hypothesis import strategies as st
 from law_strategies import decades, friction_laws, or_zero
 from reference import Grooves, write_table
@@ -119,11 +120,14 @@ def general(scene, folder):
 
 
 def general_with_laws(data, scene, folder):
-    """As general(), in every second scene with friction laws."""
+    """As general(), in every second scene with friction laws. A failing test prints the tables."""
     parameters = general(scene, folder)
-    if not data.draw(st.booleans(), label="friction laws"):
-        return parameters
-    return parameters | data.draw(friction_laws(parameters, folder), label="laws")
+    if data.draw(st.booleans(), label="friction laws"):
+        parameters |= data.draw(friction_laws(parameters, folder), label="laws")
+    for name, value in parameters.items():
+        if name.endswith("table") and value:
+            note(f"{name}:\n{Path(value).read_text()}")
+    return parameters
 
 
 TORQUES = or_zero(signed(decades(-1, 1.5)))  # in units of T_load at the start

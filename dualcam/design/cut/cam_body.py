@@ -6,7 +6,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.integrate import simpson
 
 from dualcam.design.cut.groove_cut import GrooveCut
 from dualcam.design.statics import Array, DesignError
@@ -126,6 +125,8 @@ class CamBody:
 
     def volume(self, cut: GrooveCut) -> float:
         """Volume of the body with all its grooves [m3]."""
+        from scipy.integrate import simpson
+
         tube = math.pi * (self.outer_radius**2 - self.bore_radius**2) * (self.high - self.low)
         radii = np.linspace(max(self.floor_radius, self.bore_radius), self.outer_radius, RADII)
         areas = [groove_area(cut, float(radius)) for radius in radii]

@@ -13,7 +13,6 @@ from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.interpolate import BSpline, make_interp_spline
 
 from dualcam.design.cut.cam_body import CamBody
 from dualcam.design.cut.groove_cut import Curve, GrooveCut
@@ -23,6 +22,7 @@ from dualcam.design.statics import Array, DesignError
 if TYPE_CHECKING:
     from OCP.Geom import Geom_BSplineSurface
     from OCP.TopoDS import TopoDS_Face, TopoDS_Shape, TopoDS_Solid
+    from scipy.interpolate import BSpline
 
 MM = 1e3  # per metre
 SPLINE_ERROR = 1e-4  # mm
@@ -217,6 +217,9 @@ def _share(values: Array, nodes: Array) -> Array:
 
 
 def _spline(nodes: Array, points: Array) -> BSpline:
+    """The cubic spline through points at these nodes."""
+    from scipy.interpolate import make_interp_spline
+
     return make_interp_spline(_share(nodes, nodes), points, k=3)
 
 
@@ -232,7 +235,7 @@ def _side_face(cut: GrooveCut, outline: Outline, nodes: Array, radii: Array, end
 
     points = np.stack([_in_space(cut, outline(nodes, float(rho)), float(rho), end) for rho in radii], axis=1)
     along = _spline(nodes, points)
-    across = make_interp_spline(_share(radii, radii), np.moveaxis(along.c, 1, 0), k=3)
+    across = _spline(radii, np.moveaxis(along.c, 1, 0))
     surface = _surface(np.moveaxis(across.c, 0, 1), along.t, across.t)
     return BRepBuilderAPI_MakeFace(surface, 1e-7).Face()
 

@@ -8,10 +8,16 @@ enum { ALLOCATIONS_MAX = 2000, STEPS = 8 };
 
 static bool reached; /* the allocation that fails */
 
-/* False where the call was refused for want of memory, with one message. The call is then made again, with memory. */
+/* fopen() needs memory, too, and does not tell what it lacked. */
+static bool gives_reason(void) {
+    return strstr(latest_message, "memory") != NULL || strstr(latest_message, "cannot be opened") != NULL;
+}
+
+/* False where the call was refused for want of memory, with one message that says so. The call is then made again, with
+ * memory. */
 static bool carried_out(fmi2Status status) {
     if (status == fmi2OK) return true;
-    REQUIRE(status == fmi2Error && allocation_failed() && messages == 1);
+    REQUIRE(status == fmi2Error && allocation_failed() && messages == 1 && gives_reason());
     reached = true;
     fail_allocation(0, false);
     messages = 0;
