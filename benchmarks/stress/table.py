@@ -147,17 +147,22 @@ def markdown(rows: Sequence[Row], seconds: float) -> str:
     for row in rows:
         lines += [f"| {row.name} | {count} | {text} |" for text, count in row.refusals.most_common()]
     lines.append("")
-    wrong = [(row, scene, verdict) for row in rows for scene, verdict in row.wrong]
-    if wrong:
-        lines += ["## Wrong", "", *WORDS_OF_WRONG.split("\n"), ""]
-        for row, scene, verdict in wrong[:60]:
-            lines.append(f"- {row.name}: {scene.label}: {verdict.problems[0].strip()[:300]}")
-        if len(wrong) > 60:
-            lines.append(f"- and {len(wrong) - 60} more")
-        lines.append("")
+    lines += ["## Wrong", "", *list_of_wrong(rows), ""]
     facts = circumstances("stress", "scipy", "numpy")
     facts["took"] = f"{seconds / 60:.0f} min"
     return "\n".join([*lines, "---", "", *(f"{name}: {value}  " for name, value in facts.items())]) + "\n"
+
+
+def list_of_wrong(rows: Sequence[Row]) -> list[str]:
+    wrong = [(row, scene, verdict) for row in rows for scene, verdict in row.wrong]
+    if not wrong:
+        return [f"None of the {sum(row.runs for row in rows)} runs came out wrong."]
+    lines = [*WORDS_OF_WRONG.split("\n"), ""]
+    for row, scene, verdict in wrong[:60]:
+        lines.append(f"- {row.name}: {scene.label}: {verdict.problems[0].strip()[:300]}")
+    if len(wrong) > 60:
+        lines.append(f"- and {len(wrong) - 60} more")
+    return lines
 
 
 def describe(scene: Scene) -> str:
