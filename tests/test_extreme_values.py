@@ -16,7 +16,9 @@ from hypothesis import strategies as st
 from law_strategies import decades
 from reference import write_table
 
-FUEL = 10_000_000_000  # operations of WebAssembly in one call
+# Operations of WebAssembly in one call: the limits of fmu_src/model/work.h, 20,000 segments of 6e5 operations
+# each or 10^7 evaluations of 2,050 each where friction depends on the load, and a fifth of room
+FUEL = 25_000_000_000
 # Friction tables and groove tables stand in a folder that the module sees as its root.
 TABLES = {
     "friction table": {"cam1.friction_table": "/friction.csv"},

@@ -255,7 +255,8 @@ def loaded_pair_agrees(mechanism, kin, tau, force, way, flank) -> bool:
     q = mechanism._balance(kin, slip, tuple(mu))
     carried = q.d1 * mechanism.r2 * q.n2 * mechanism.I * kin.dgamma
     by_alpha = q.delta * mechanism.J + carried + q.product * mechanism.m * kin.dz
-    least = TOLERANCE * (abs(load.x1) + abs(load.x2))
+    size = abs(force) + abs(mechanism.m * kin.dz * load.alpha) + abs(q.d1 * load.x1) + abs(q.d2 * load.x2)
+    least = TOLERANCE * size  # of the axial balance, as in pair_agrees()
     presses = flank[0] * load.x1 > least and flank[1] * load.x2 > least
     return way * load.alpha > 0.0 and presses and by_alpha * q.delta > 0.0
 
@@ -328,6 +329,38 @@ def test_general_rest_is_one_that_friction_allows(make, scratch, scene, curves, 
         if fmu.get("mode") not in (LOADING, RELEASING):
             assert fmu.get("omega") == 0.0
             assert rests(fmu, mechanism, parameters)
+
+
+# A light shaft without torque: the follower's mass takes all of the axial load, and no contact bears any. The
+# drag of the shaft would press contact 2, which locks under small loads: its friction is large there.
+LOCKS_UNDER_DRAG = {
+    "cam1.radius": 0.01,
+    "cam2.radius": 0.1,
+    "cam1.lead_angle": 1.0,
+    "cam2.lead_angle": 0.5,
+    "cam1.friction": 0.1,
+    "cam2.friction": 0.1,
+    "cam2.friction_load_exponent": -0.5,
+    "cam2.friction_load": 1.0,
+    "spring.preload": 0.0,
+    "spring.stiffness": 100.0,
+    "spring.stiffness2": -100.0,
+    "spring.stiffness3": 0.0,
+    "inertia.shaft": 0.0,
+    "inertia.follower_mass": 3.0,
+    "inertia.follower": 0.0,
+    "shaft.damping": 1.0,
+    "stop.lower": -1.0,
+    "initial.theta": -1e-3,
+}
+
+
+def test_a_reaction_that_is_rounding_presses_no_flank(make):
+    """Found by `./build.sh fuzz`: in the reference the contacts bear 1e-14 of the axial load, by rounding."""
+    fmu = make().start(LOCKS_UNDER_DRAG)
+    fmu.step(1.0, tau=0.0, F_ext=-1.0)
+    assert fmu.get("mode") not in (LOADING, RELEASING)
+    assert rests(fmu, Mechanism(LOCKS_UNDER_DRAG, DOUBLE), LOCKS_UNDER_DRAG)
 
 
 @GENERAL_FIXTURE

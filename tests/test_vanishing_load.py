@@ -9,7 +9,7 @@ the mechanism follows. If F_ext falls, the mechanism waits. Oracle: the root of 
 import pytest
 from driver import FORWARD, OK
 from pin_equations import Pin, ellipse, helix, polynomial
-from reference import LOADING, RELEASING
+from reference import LOADING, LOWER_STOP, RELEASING, UPPER_STOP
 from scipy.optimize import brentq
 
 WEDGED, NEAR = 6, 1e-12
@@ -94,6 +94,26 @@ def test_the_mechanism_waits_while_the_load_holds_the_contacts(make_model, pin, 
         assert fmu.get("theta") == pytest.approx(angle(pin, way, reached), rel=NEAR)
         rises = t < 0.5 or polynomial(TURNING, t) > highest
         assert fmu.get("mode") == ((LOADING if way > 0 else RELEASING) if rises else WEDGED)
+
+
+@pytest.mark.parametrize("parts", [1, 3, 40])
+def test_a_stop_ends_the_way(make_model, pin, way, parts):
+    """The mechanism reaches the stop at 0.25 s."""
+    stop = angle(pin, way, polynomial(RISING, 0.25))
+    limit = {"stop.upper" if way > 0 else "stop.lower": stop}
+    fmu = make_model(FORWARD).start(parameters(pin, way) | limit)
+    for t in play(fmu, way, RISING, 0.5, parts):
+        theta = stop if t > 0.25 else angle(pin, way, polynomial(RISING, t))
+        assert fmu.get("theta") == pytest.approx(theta, rel=NEAR)
+    assert fmu.get("theta") == stop
+    assert fmu.get("mode") == (UPPER_STOP if way > 0 else LOWER_STOP)
+
+
+def test_a_step_too_short_for_the_digits_of_the_load_moves_by_rounding(make_model, pin, way):
+    start = angle(pin, way, RISING[0])
+    fmu = make_model(FORWARD).start(parameters(pin, way) | {"initial.theta": start})
+    assert list(play(fmu, way, RISING, 1e-25, 1))
+    assert fmu.get("theta") == pytest.approx(start, rel=1e-15)
 
 
 @pytest.mark.parametrize("parts", [1, 3])
