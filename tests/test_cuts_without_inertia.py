@@ -6,9 +6,10 @@ by the balance of torques (docs/mechanism.md, section 6).
 
 import math
 
+import numpy as np
 import pytest
 from driver import FORWARD
-from pin_equations import Pin, edge, ellipse, helix, polynomial, spring_force
+from pin_equations import Groove, Pin, band, edge, ellipse, helix, polynomial, sampled, spring_force
 from reference import RELEASING, write_table
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
@@ -124,6 +125,57 @@ def test_a_motion_begins_at_the_slowest_of_several_speeds(make_model, cuts):
         return 0.5 * torque - load * r1 * r2 * a1 * n2 / (r2 * r1 * n2 + r1 * d2 * a1)
 
     assert fmu.get("omega") == pytest.approx(brentq(left, 0.01, 0.02, xtol=1e-16), rel=10.0 * NEAR)
+
+
+# ---- rest and motion under the same torque ----
+
+
+LIFT = Groove(1.0, {}, lambda x: 0.9 * x * x, lambda x: 1.8 * x, lambda x: 1.8)  # level at psi = 0
+LOCKS_AT_REST = {
+    "cam1.friction": 0.0,
+    "cam2.friction": 1.0,
+    "cam1.friction_viscous": 1.0,
+    "cam2.friction_viscous": 1.0,
+    "spring.preload": 0.0,
+    "spring.stiffness": 1.0,
+    "spring.stiffness2": -515.0,
+    "damper.c_load": 0.0,
+    "damper.c_release": 0.0,
+    "inertia.shaft": 0.0,
+    "shaft.damping": 1.0,
+    "stop.lower": 0.0,
+    "stop.upper": 1.0,
+}
+
+
+@pytest.fixture
+def lifted(tmp_path):
+    return Pin(sampled(LIFT, tmp_path / "lift.csv", np.linspace(0.0, 1.01, 9)), helix(1.0, 0.5))
+
+
+def left_torque(pin, theta, omega):
+    """tau - b omega - rho(mu(v)) F_0, tau = 1 N.m, F_ext = -1 N; infinite where no pair of flanks agrees."""
+    place = pin.at(theta)
+    sliding = (place.length(0) * place.turn * omega, place.length(1) * (1.0 - place.turn) * omega)
+    mu = [LOCKS_AT_REST[f"cam{i}.friction"] + v for i, v in enumerate(sliding, start=1)]
+    return 1.0 - omega - edge(place, mu, 1, spring_force(LOCKS_AT_REST, place.z) - 1.0)[0]
+
+
+@pytest.mark.parametrize("cuts", CUTS)
+def test_a_torque_that_rest_and_motion_balance_needs_inertia(make_model, lifted, cuts):
+    """Found by `./build.sh fuzz`. At rest the contacts lock from theta = 0 on; at a speed they move."""
+    for theta in (0.01, 0.05, 0.1):
+        at_rest = band(lifted.at(theta), (0.0, 1.0), spring_force(LOCKS_AT_REST, lifted.at(theta).z) - 1.0)
+        assert at_rest[1] == math.inf
+        assert left_torque(lifted, theta, 0.4) > 0.0 > left_torque(lifted, theta, 0.9)
+    fmu = make_model(FORWARD).start(lifted.values | LOCKS_AT_REST)
+    with pytest.raises(AssertionError, match=r"rest and motion both balance .* inertia\.shaft must be > 0"):
+        run(fmu, 1.0, cuts, tau=[1.0], F_ext=[-1.0])
+    light = make_model(FORWARD).start(lifted.values | LOCKS_AT_REST | {"inertia.shaft": 1e-6})
+    run(light, 1.0, cuts, tau=[1.0], F_ext=[-1.0])
+    whole = make_model(FORWARD).start(lifted.values | LOCKS_AT_REST | {"inertia.shaft": 1e-6})
+    run(whole, 1.0, [], tau=[1.0], F_ext=[-1.0])
+    assert light.get("theta") == pytest.approx(whole.get("theta"), rel=NEAR) and light.get("theta") > 0.4
 
 
 # ---- contacts without load ----

@@ -69,6 +69,7 @@ REASONS = {
     "elliptical groove": '"the elliptical groove ... ends at psi = ..., reached at theta = ..."',
     "describing the grooves": '"describing the grooves in between takes more than ... polynomials"',
     "without inertia no speed": '"without inertia no speed balances the torque"',
+    "without inertia rest": '"without inertia rest and motion both balance the torque"',
     "is refused": '"... is refused: allowed is ..."',
 }
 

@@ -226,6 +226,19 @@ static Candidate general_candidate(const Mechanism *m, int index) {
     return candidate;
 }
 
+COMPACT bool reactions_are_quotients_of_zeros(const Mechanism *m, int index) {
+    const SlipMode slip = slip_mode_from_here(m, index);
+    if (slip.regime != REGIME_INERTIAL || !slip.friction_varies || slip.friction_is_loaded) return false;
+    const Balance now = balance_from_here(m, &slip);
+    BalanceRates rates;
+    balance_rates(&slip, &now, 0.0, &rates);
+    for (int i = 0; i < 2; i++) {
+        if (is_visible(now.x[i], CANDIDATE_COARSE_VARYING * rates.size[i])) return false;
+        if (!(fabs(now.axial[i]) * sqrt(now.length2[i]) > CANDIDATE_AT_JAM)) return false;
+    }
+    return now.rhs.possible;
+}
+
 Candidate candidate_building(const Mechanism *m, int index, LinearSlipMode *built) {
     return is_closed_form(m) ? closed_form_candidate(m, linear_slip_of(m, index, built)) : general_candidate(m, index);
 }

@@ -35,6 +35,10 @@ Candidate candidate_building(const Mechanism *m, int index, LinearSlipMode *buil
  * the load vanishes that holds them (collocation/step_indicator.h). */
 bool is_quotient_of_zeros(const Mechanism *m, int index);
 
+/* The same for the reactions: are both x_i = (r n A -+ d W)/Delta quotients of two zeros, so that no step goes on along this
+ * slip mode? With a follower's mass D stays above zero there, and alpha is finite. */
+bool reactions_are_quotients_of_zeros(const Mechanism *m, int index);
+
 /* Is the motion known in closed form under the present inputs? */
 bool is_closed_form(const Mechanism *m);
 

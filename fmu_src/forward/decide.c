@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "forward/configuration.h"
 #include "forward/stick.h"
 #include "numerics/sign.h"
 #include "platform/attributes.h"
@@ -325,10 +326,22 @@ static void enter(Mechanism *m, Decision decision) {
     else if (!has_inertia(&m->params)) state->omega = sum_of(0.0); /* with inertia a jam takes the speed */
 }
 
-void enter_decided_mode(Mechanism *m) {
+/* Without inertia, and with friction that varies with the speed, contacts that lock at rest can carry a motion. The decision
+ * looks at rest first. But hardly any inertia would keep the present motion (A. N. Tikhonov's theorem). Does the present
+ * motion go on where the contacts lock at rest? */
+static bool rest_and_motion_balance(const Mechanism *m) {
+    if (!is_slip(m->state.mode) || has_inertia(&m->params) || !any_friction_varies(&m->params)) return false;
+    const int direction = direction_of(m->state.mode);
+    LinearSlipMode unused;
+    return angle_to_stop(m, direction) > 0.0 && stick_locks(m, direction) && kept_flanks(m, direction, &unused) >= 0;
+}
+
+bool enter_decided_mode(Mechanism *m) {
     LinearSlipMode built;
     built.direction = 0;
     const Decision decision = decide(m, &built);
     keep_linear_slip(m, &built);
+    if (!is_slip(decision.mode) && rest_and_motion_balance(m)) return false;
     enter(m, decision);
+    return true;
 }

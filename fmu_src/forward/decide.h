@@ -16,8 +16,9 @@ typedef struct {
 Decision decision_of(const Mechanism *m);
 
 /* Decides the mode and enters it: a mode that differs from the present one counts as an event. Coefficients of the
- * closed form that the decision had to build are kept in the model. */
-void enter_decided_mode(Mechanism *m);
+ * closed form that the decision had to build are kept in the model. False, and the mode stays, where rest balances the torque
+ * and the present motion does, too: only an inertia decides. */
+bool enter_decided_mode(Mechanism *m);
 
 /* The slip mode in `direction` (+1, -1) whose flanks agree with their own reactions: its index, or -1 if there is
  * none. Several slip modes can agree where a contact locks; then the pair of supporting flanks comes first

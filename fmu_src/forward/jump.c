@@ -226,7 +226,7 @@ JumpProposal jump_past_fold(const Mechanism *m, const SlipMode *slip, const Bala
 }
 
 void jump_find_speed(Mechanism *m) {
-    enter_decided_mode(m);
+    (void)enter_decided_mode(m);
     if (is_slip(m->state.mode)) {
         const SlipMode slip = slip_mode_from_here(m, present_slip_index(m));
         m->state.omega = sum_of(balance_from_here(m, &slip).omega);

@@ -91,7 +91,7 @@ bool mechanism_start(Mechanism *m, Fault *fault) {
     update_configuration(m);
     if (!check_energy(m, fault)) return false;
     ledger_open(&m->state.ledger, stored_energy(m));
-    enter_decided_mode(m);
+    (void)enter_decided_mode(m); /* at rest there is no motion to keep */
     m->state.events = 0;
     return true;
 }

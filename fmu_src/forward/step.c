@@ -21,6 +21,7 @@ typedef enum {
     OUTCOME_GOES_ON,
     OUTCOME_STOPPED, /* the visitor has stopped the step */
     OUTCOME_NOT_FINITE,
+    OUTCOME_REST_OR_MOTION, /* both balance the torque */
     OUTCOME_TOO_MANY_JAMS,
     OUTCOME_TOO_MANY_SEGMENTS,
     OUTCOME_TOO_MUCH_WORK,
@@ -93,12 +94,14 @@ static bool no_speed_balances(const Mechanism *m) {
 
 /* ---- one segment ---- */
 
-static void decide_mode(Mechanism *m, StepRun *run) {
+/* False: no decision without inertia, see enter_decided_mode(). */
+static bool decide_mode(Mechanism *m, StepRun *run) {
     StepVisitor *visitor = run->visitor;
     if (visitor != NULL && visitor->before_decision != NULL) visitor->before_decision(visitor, m);
-    enter_decided_mode(m);
+    if (!enter_decided_mode(m)) return false;
     run->decided = true;
     if (visitor != NULL) run->left = visitor->after_decision(visitor, m, run->left);
+    return true;
 }
 
 /* Proposes a segment in the mode that has been decided. */
@@ -129,7 +132,8 @@ static bool propose_segment(Mechanism *m, double left, EventLocation *location, 
  * the limit of a jam where both parts of alpha = N/D vanish: they let go (collocation/step_indicator.h). */
 static bool goes_beyond_loss(Mechanism *m, const Segment *segment) {
     const bool lost = segment->kind == SEGMENT_JAM && is_slip(m->state.mode) &&
-                      (m->model.friction_is_loaded || is_quotient_of_zeros(m, present_slip_index(m)));
+                      (m->model.friction_is_loaded || is_quotient_of_zeros(m, present_slip_index(m)) ||
+                       reactions_are_quotients_of_zeros(m, present_slip_index(m)));
     return lost && leave_lost_flanks(m);
 }
 
@@ -194,7 +198,7 @@ NOINLINE static Outcome make_segments(Mechanism *m, StepRun *run) {
         const SlipProposal same_mode = go_on(m, run, &location, &segment);
         if (same_mode == SLIP_NOT_FINITE) return OUTCOME_NOT_FINITE;
         if (same_mode == SLIP_UNDECIDED) {
-            decide_mode(m, run);
+            if (!decide_mode(m, run)) return OUTCOME_REST_OR_MOTION;
             if (is_over(m, run)) return OUTCOME_DONE;
             if (!propose_segment(m, run->left, &location, &segment)) return OUTCOME_NOT_FINITE;
         }
@@ -227,6 +231,8 @@ static const char *reason_of(const Mechanism *m, Outcome outcome) {
                "must be > 0";
     switch (outcome) {
         case OUTCOME_NOT_FINITE: return "the motion leaves the range of numbers";
+        case OUTCOME_REST_OR_MOTION:
+            return "without inertia rest and motion both balance the torque, so inertia.shaft must be > 0";
         case OUTCOME_TOO_MANY_JAMS: return "the contacts jam and let go without end";
         case OUTCOME_TOO_MUCH_WORK: return "the step needs too many evaluations of the motion";
         default: return "the step needs too many segments";

@@ -191,6 +191,11 @@ bool stick_is_on_edge(const Mechanism *m, int direction) {
     return fabs(m->inputs.tau[0] - stick_edge(factor, F_0)) <= stick_tie(m) * stick_torque_size(m, factor);
 }
 
+bool stick_locks(const Mechanism *m, int direction) {
+    const BandFactors f = stick_edges(m, side_of(m, stick_axial_load(m)));
+    return isinf(direction > 0 ? f.load : f.release);
+}
+
 Mode stick_mode(const Mechanism *m) {
     const double F_0 = stick_axial_load(m), frictionless_factor = m->configuration.geometry.dz_dtheta;
     const BandFactors f = stick_edges(m, side_of(m, F_0));

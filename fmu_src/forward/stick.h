@@ -44,6 +44,9 @@ bool stick_excess_grows(const Mechanism *m, int direction);
 /* Is the torque on the band's edge of that direction, to rounding? */
 bool stick_is_on_edge(const Mechanism *m, int direction);
 
+/* Are the contacts locked at rest in that direction? Then this edge of the band is infinite. */
+bool stick_locks(const Mechanism *m, int direction);
+
 /* The mode of rest inside the band: MODE_WEDGED if one edge is infinite and the torque is beyond the frictionless
  * torque z' F_0 toward that edge, else MODE_STICK. */
 Mode stick_mode(const Mechanism *m);

@@ -372,6 +372,9 @@ static const double STICK_TIES_OF_NO_SLIP = 2.0;
  * second one where friction varies and contacts let go at a jam, at which Delta, not the load, tells the instant. */
 static const double CANDIDATE_COARSE = 10.0, CANDIDATE_COARSE_VARYING = 1000.0;
 
+/* Contacts whose reactions per axial load exceed this number are at a jam: Delta is zero to rounding. */
+static const double CANDIDATE_AT_JAM = 1e9;
+
 /* CANDIDATE_STEADY: s, a rate that changes a reaction by less than its rounding in this time counts as zero. Where neither
  * a reaction nor its rate tells the flank, the reaction a little later decides: after this share of the motion's time
  * scale and of a piece of the grooves, and after at most 1e-3 s. The next look is shorter by this factor. */
