@@ -72,8 +72,7 @@ static double resolved_share(const SlipMode *slip, const RadauStep *step) {
  * rounding, the nodes do not see where the motion turns. */
 static bool misses_turn(const SlipMode *slip, const RadauStep *step) {
     const Params *p = slip->params;
-    return slip->direction * step->dtheta < -angle_tolerance(p) &&
-           slip->direction * radau_step_end(step)->omega >= 0.0;
+    return slip->direction * step->dtheta < -angle_tolerance(p) && slip->direction * radau_step_end(step)->omega >= 0.0;
 }
 
 /* The energy balance may miss no more than the last digits of the transmission itself, which no shorter step makes

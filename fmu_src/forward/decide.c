@@ -132,7 +132,7 @@ typedef enum {
  * coefficients of the last candidate that had none in the model; mostly this is the slip mode that is found. */
 static int find_slip_mode(const Mechanism *m, int direction, SearchStart from, LinearSlipMode *built) {
     const int sign = load_sign(m, direction);
-    int unstable = -1, before = -1, overflowing = -1, slowest = -1;
+    int first = -1, before = -1, overflowing = -1, slowest = -1;
     double least = INFINITY;
     const bool slowest_first = !has_inertia(&m->params) && any_friction_varies(&m->params);
     for (int k = 0; k < FLANK_PAIR_COUNT; k++) {
@@ -150,10 +150,10 @@ static int find_slip_mode(const Mechanism *m, int direction, SearchStart from, L
             slowest = index;
             least = SLOWER * fabs(candidate.omega);
         }
-        if (unstable < 0) unstable = index;
+        if (first < 0) first = index;
     }
     if (slowest >= 0) return slowest;
-    if (unstable >= 0) return unstable;
+    if (first >= 0) return first;
     return before >= 0 ? before : overflowing;
 }
 COMPACT_END
