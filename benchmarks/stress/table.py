@@ -101,9 +101,9 @@ parameters go over many decades.
 - *Judged*: compared with an independent solution. In the rows "at random" a run is compared with a second
   run of the FMU, whose intervals are cut differently. Other runs are held to the laws alone, such as the
   balance of energy. `benchmarks/stress/__init__.py` describes judges and laws.
-- *Right*: not refused, all laws hold, and a judged run differs by at most 100 tolerances. Where the results
-  depend on the data more strongly than that, ten times that dependence is allowed: parameters and inputs
-  are changed by a tolerance, and the results may differ by ten times their change.
+- *Right*: not refused, all laws hold, and a judged run differs by at most 100 tolerances. A scene that
+  depends strongly on its data has a wider limit: the run is repeated with parameters and inputs changed by
+  one tolerance. If its results change by d, then 10 d is allowed.
 - *Wrong*: neither right nor refused. [The list](#wrong) is below.
 - *Refused*: the step or the start ends with a message. [The messages](#refused) are below.
 - *Worst error*: the largest error of angle, speed and accounts among the right runs, relative to the largest
