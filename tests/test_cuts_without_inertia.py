@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from driver import FORWARD
 from pin_equations import Groove, Pin, band, edge, ellipse, helix, polynomial, sampled, spring_force
-from reference import RELEASING, write_table
+from reference import LOADING, RELEASING, write_table
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 from test_cuts_of_general_grooves import CUTS, run
@@ -176,6 +176,22 @@ def test_a_torque_that_rest_and_motion_balance_needs_inertia(make_model, lifted,
     whole = make_model(FORWARD).start(lifted.values | LOCKS_AT_REST | {"inertia.shaft": 1e-6})
     run(whole, 1.0, [], tau=[1.0], F_ext=[-1.0])
     assert light.get("theta") == pytest.approx(whole.get("theta"), rel=NEAR) and light.get("theta") > 0.4
+
+
+def test_a_motion_ends_where_contacts_lock_and_no_torque_drives_it(make_model, lifted):
+    """A pull turns F_0 and the torque around: inside the band at rest, whose loading edge is infinite."""
+    theta, drag, push, torque = 0.1, -0.05, 5.0, 50.0
+    fmu = make_model(FORWARD).start(lifted.values | LOCKS_AT_REST | {"initial.theta": theta})
+    fmu.set({"F_ext": push, "tau": torque})
+    fmu.step(1e-4)
+    moved = fmu.get("theta")
+    assert fmu.get("mode") == LOADING and moved > theta
+    place = lifted.at(moved)
+    release, load = band(place, (0.0, 1.0), spring_force(LOCKS_AT_REST, place.z) - 1.0)
+    assert release < drag and load == math.inf
+    fmu.set({"F_ext": -1.0, "tau": drag})
+    fmu.step(1.0)
+    assert fmu.get("omega") == 0.0 and fmu.get("theta") == moved
 
 
 # ---- contacts without load ----
