@@ -228,7 +228,7 @@ static Candidate general_candidate(const Mechanism *m, int index) {
 
 COMPACT bool reactions_are_quotients_of_zeros(const Mechanism *m, int index) {
     const SlipMode slip = slip_mode_from_here(m, index);
-    if (slip.regime != REGIME_INERTIAL || !slip.friction_varies || slip.friction_is_loaded) return false;
+    if (slip.regime != REGIME_INERTIAL || !slip.friction_varies) return false;
     const Balance now = balance_from_here(m, &slip);
     BalanceRates rates;
     balance_rates(&slip, &now, 0.0, &rates);

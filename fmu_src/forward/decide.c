@@ -329,7 +329,7 @@ static void enter(Mechanism *m, Decision decision) {
 /* Without inertia, and with friction that varies with the speed, contacts that lock at rest can carry a motion. The decision
  * looks at rest first. But hardly any inertia would keep the present motion (A. N. Tikhonov's theorem). Does the present
  * motion go on where the contacts lock at rest? */
-static bool rest_and_motion_balance(const Mechanism *m) {
+COMPACT static bool rest_and_motion_balance(const Mechanism *m) {
     if (!is_slip(m->state.mode) || has_inertia(&m->params) || !any_friction_varies(&m->params)) return false;
     const int direction = direction_of(m->state.mode);
     LinearSlipMode unused;

@@ -322,7 +322,7 @@ def webassembly(host: str, runner: Callable[[Path, Model, Path], str]) -> Build:
     return Build(WASM, f"zig -O3, in {host}", of_the_fmus_objects(WASM), runner)
 
 
-QUICK = (of_fmus(X86), webassembly("wasmtime", in_wasmtime), pinned(X86_32, ["-O0"]))
+QUICK = (of_fmus(X86), webassembly("wasmtime", in_wasmtime), pinned(X86_32, ["-O3"]))
 
 
 def all_builds() -> list[Build]:
