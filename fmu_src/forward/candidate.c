@@ -180,11 +180,23 @@ static double steady_time(const SlipMode *slip, const Balance *now) {
     return min_of(CANDIDATE_STEADY, max_of(left, DBL_MIN) / fabs(now->omega));
 }
 
+/* Both x_i are rounding, while each is large per axial load, since Delta is zero to rounding. */
+COMPACT static bool reactions_are_quotients_of_zeros(const SlipMode *slip, const Balance *now) {
+    BalanceRates rates;
+    balance_rates(slip, now, 0.0, &rates);
+    for (int i = 0; i < 2; i++) {
+        if (is_visible(now->x[i], CANDIDATE_COARSE_VARYING * rates.size[i])) return false;
+        if (!(fabs(now->axial[i]) * sqrt(now->length2[i]) > CANDIDATE_AT_JAM)) return false;
+    }
+    return now->rhs.possible;
+}
+
 COMPACT bool is_quotient_of_zeros(const Mechanism *m, int index) {
     const SlipMode slip = slip_mode_from_here(m, index);
     if (slip.regime != REGIME_INERTIAL || !slip.friction_varies || slip.friction_is_loaded) return false;
-    const RightHandSide rhs = balance_from_here(m, &slip).rhs;
-    return fabs(rhs.value) <= REACTION_ZERO_SHARE * CANDIDATE_COARSE_VARYING * rhs.size;
+    const Balance now = balance_from_here(m, &slip);
+    return fabs(now.rhs.value) <= REACTION_ZERO_SHARE * CANDIDATE_COARSE_VARYING * now.rhs.size ||
+           reactions_are_quotients_of_zeros(&slip, &now);
 }
 
 static Candidate general_candidate(const Mechanism *m, int index) {
@@ -224,19 +236,6 @@ static Candidate general_candidate(const Mechanism *m, int index) {
     }
     if (is_undecided(&candidate, 0) || is_undecided(&candidate, 1)) extrapolate_contacts(&slip, &now, &candidate);
     return candidate;
-}
-
-COMPACT bool reactions_are_quotients_of_zeros(const Mechanism *m, int index) {
-    const SlipMode slip = slip_mode_from_here(m, index);
-    if (slip.regime != REGIME_INERTIAL || !slip.friction_varies) return false;
-    const Balance now = balance_from_here(m, &slip);
-    BalanceRates rates;
-    balance_rates(&slip, &now, 0.0, &rates);
-    for (int i = 0; i < 2; i++) {
-        if (is_visible(now.x[i], CANDIDATE_COARSE_VARYING * rates.size[i])) return false;
-        if (!(fabs(now.axial[i]) * sqrt(now.length2[i]) > CANDIDATE_AT_JAM)) return false;
-    }
-    return now.rhs.possible;
 }
 
 Candidate candidate_building(const Mechanism *m, int index, LinearSlipMode *built) {

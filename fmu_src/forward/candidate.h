@@ -30,14 +30,11 @@ Candidate candidate_of(const Mechanism *m, int index);
  * *built stays unchanged. */
 Candidate candidate_building(const Mechanism *m, int index, LinearSlipMode *built);
 
-/* With inertia and friction that varies with the speed alone: is alpha = N/D the quotient of two zeros where no step goes
- * on along this slip mode, D = 0? N vanishes to rounding. Contacts that hold the speed at the limit of a jam come there as
- * the load vanishes that holds them (collocation/step_indicator.h). */
+/* With inertia and friction that varies with the speed alone: is alpha = N/D, or are both x_i = (r n A -+ d W)/Delta, the
+ * quotient of two zeros where no step goes on along this slip mode? Where D = 0, N vanishes to rounding: contacts that hold
+ * the speed at the limit of a jam come there as the load vanishes that holds them (collocation/step_indicator.h). With a
+ * follower's mass D can stay above zero where Delta = 0. Alpha is finite there, and the reactions vanish to rounding. */
 bool is_quotient_of_zeros(const Mechanism *m, int index);
-
-/* The same for the reactions: are both x_i = (r n A -+ d W)/Delta quotients of two zeros, so that no step goes on along this
- * slip mode? With a follower's mass D stays above zero there, and alpha is finite. */
-bool reactions_are_quotients_of_zeros(const Mechanism *m, int index);
 
 /* Is the motion known in closed form under the present inputs? */
 bool is_closed_form(const Mechanism *m);

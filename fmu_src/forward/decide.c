@@ -330,10 +330,10 @@ static void enter(Mechanism *m, Decision decision) {
  * looks at rest first. But hardly any inertia would keep the present motion (A. N. Tikhonov's theorem). Does the present
  * motion go on where the contacts lock at rest? */
 COMPACT static bool rest_and_motion_balance(const Mechanism *m) {
-    if (!is_slip(m->state.mode) || has_inertia(&m->params) || !any_friction_varies(&m->params)) return false;
     const int direction = direction_of(m->state.mode);
     LinearSlipMode unused;
-    return angle_to_stop(m, direction) > 0.0 && stick_locks(m, direction) && kept_flanks(m, direction, &unused) >= 0;
+    return any_friction_varies(&m->params) && kept_flanks(m, direction, &unused) >= 0 &&
+           angle_to_stop(m, direction) > 0.0 && stick_locks(m, direction);
 }
 
 bool enter_decided_mode(Mechanism *m) {

@@ -129,16 +129,12 @@ static bool propose_segment(Mechanism *m, double left, EventLocation *location, 
 /* Under friction that depends on the load a pair of flanks can lose its motion while the mechanism moves: two answers of
  * the balance meet, and no step, however short, goes on. Where another pair agrees, the motion goes on along that pair
  * with the same speed; rigid contacts stop a motion only where no pair is possible. So do contacts that hold the speed at
- * the limit of a jam where both parts of alpha = N/D vanish: they let go (collocation/step_indicator.h). */
-COMPACT static bool leaves_loss(Mechanism *m) {
-    const int present = present_slip_index(m);
-    const bool lost =
-        m->model.friction_is_loaded || is_quotient_of_zeros(m, present) || reactions_are_quotients_of_zeros(m, present);
-    return lost && leave_lost_flanks(m);
-}
-
+ * the limit of a jam where both parts of alpha = N/D, or of the reactions, vanish: they let go
+ * (collocation/step_indicator.h). */
 static bool goes_beyond_loss(Mechanism *m, const Segment *segment) {
-    return segment->kind == SEGMENT_JAM && is_slip(m->state.mode) && leaves_loss(m);
+    const bool lost = segment->kind == SEGMENT_JAM && is_slip(m->state.mode) &&
+                      (m->model.friction_is_loaded || is_quotient_of_zeros(m, present_slip_index(m)));
+    return lost && leave_lost_flanks(m);
 }
 
 /* Before rest or a jam. */
