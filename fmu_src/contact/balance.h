@@ -109,7 +109,7 @@ static inline double balance_load_size(const Params *p, double force, double dam
 
 /* The motion and the forces of a balance at the height z, m. */
 static inline LoadedMotion balance_loaded_motion(const Balance *b, double z) {
-    return (LoadedMotion){z, b->omega, b->alpha, b->force, b->damper, b->F_ext};
+    return (LoadedMotion){z, b->omega, b->alpha, b->force, b->damper, b->F_ext, false, 0.0};
 }
 
 /* Is contact i on its flank by more than rounding? `axial`: x_i per A; `load`: balance_load_size(). */

@@ -157,11 +157,13 @@ void balance_set_motion(const SlipMode *slip, double theta, double omega, double
     b->force = spring_force(&p->spring, b->z) + b->F_ext;
     b->damper = slip_damper_force(slip, b->dz_dtheta * omega);
     const bool loaded = slip->friction_is_loaded;
-    const LoadedMotion motion = balance_loaded_motion(b, b->z);
+    const double torque = b->tau - p->shaft.damping * omega - in->shaft * alpha;
+    LoadedMotion motion = balance_loaded_motion(b, b->z);
+    motion.has_torque = true;
+    motion.torque = torque;
     if (loaded) loaded_slip_set_under(slip, &motion, &storage);
     const double follower_acceleration = b->dz_dtheta * alpha + k->d2z_dtheta2.value * omega * omega;
     const double axial = b->force + b->damper + in->follower_mass * follower_acceleration;
-    const double torque = b->tau - p->shaft.damping * omega - in->shaft * alpha;
     const double moment = in->follower * (k->dpsi_dtheta[0].value * alpha + k->d2gamma_dtheta2.value * omega * omega);
     solve_loads(f, axial, torque, moment, b->x);
     const ContactFactors *tangent = &k->loaded.tangent;

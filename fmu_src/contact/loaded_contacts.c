@@ -1,5 +1,6 @@
 #include "contact/loaded_contacts.h"
 
+#include <float.h>
 #include <math.h>
 #include <stddef.h>
 
@@ -168,7 +169,7 @@ static bool is_on_flanks(const LoadedPin *pin, const LoadedContacts *c) {
 COMPACT static void search(const LoadedPin *pin, const LoadTerms *loads, const LoadTerms *by_alpha, double size,
                            int samples, LoadedContacts *c) {
     const Elimination e = {pin, loads, by_alpha};
-    if (!(size > 0.0 && isfinite(size)) || (by_alpha != NULL && by_alpha->torque == 0.0)) return;
+    if (!(size > 0.0 && isfinite(size))) return;
     double before = pin->flank[1] * size / LOADED_SEARCH_RANGE, missed_before = missed_by(&e, before);
     for (int n = 0; n < samples; n++) { /* at most LOADED_FAR_SAMPLES turns */
         const double after = LOADED_SEARCH_FACTOR * before, missed = missed_by(&e, after);
@@ -186,6 +187,63 @@ COMPACT static void search(const LoadedPin *pin, const LoadTerms *loads, const L
     c->possible = false;
 }
 
+/* A scalar equation of one contact, p x_i + q f_i x_i = c. */
+typedef struct {
+    const LoadedPin *pin;
+    int contact;
+    double p, q, c;
+} ContactEquation;
+
+static double friction_force(const LoadedPin *pin, int i, double x) {
+    const double R = fabs(x) * loaded_pin_reaction(pin, i);
+    return sign_on(pin, i) * friction_under(&pin->params->cam[i], pin->speed[i], R).value * x;
+}
+
+static double missed_of_contact(const void *context, double x) {
+    const ContactEquation *e = context;
+    work_add(e->pin->work, 1);
+    return e->p * x + e->q * friction_force(e->pin, e->contact, x) - e->c;
+}
+
+/* The smallest x_i on the flank that fulfils the equation, or 0 where LOADED_SEARCH_SAMPLES samples show none. */
+COMPACT static double root_of_contact(const ContactEquation *e) {
+    const double size = fabs(e->c) / (fabs(e->p) + fabs(e->q));
+    if (!(size > 0.0 && isfinite(size))) return 0.0;
+    double before = e->pin->flank[e->contact] * size / LOADED_SEARCH_RANGE,
+           missed_before = missed_of_contact(e, before);
+    for (int n = 0; n < LOADED_SEARCH_SAMPLES; n++) {
+        const double after = LOADED_SEARCH_FACTOR * before, missed = missed_of_contact(e, after);
+        if ((missed > 0.0) != (missed_before > 0.0))
+            return root_between(missed_of_contact, e, before, missed_before, after, missed);
+        before = after;
+        missed_before = missed;
+    }
+    return 0.0;
+}
+
+/* r_i n_i x_i = torque */
+static double root_by_torque(const LoadedPin *pin, int i, double torque) {
+    const double r = pin->params->cam[i].radius;
+    const ContactEquation e = {pin, i, r * pin->slope[i], r * r, torque};
+    return root_of_contact(&e);
+}
+
+/* Without inertia of the shaft the torque tau - b omega alone makes x_2. The other two equations, without alpha, make x_1. */
+COMPACT static void search_without_shaft(const LoadedPin *pin, const LoadTerms *loads, const LoadTerms *by_alpha,
+                                         LoadedContacts *c) {
+    const double r1 = pin->params->cam[0].radius, a1 = pin->slope[0], m = by_alpha->axial, I = by_alpha->moment;
+    const double x2 = root_by_torque(pin, 1, loads->torque);
+    const double axial1 = loads->axial - (pin->params->cam[1].radius * x2 - pin->slope[1] * friction_force(pin, 1, x2));
+    const double torque1 = loads->torque - loads->moment; /* both at alpha = 0 */
+    const ContactEquation e = {pin, 0, r1 * (m * a1 + I), m * r1 * r1 - I * a1, m * torque1 + I * axial1};
+    const double x1 = root_of_contact(&e), q1 = friction_force(pin, 0, x1);
+    c->x[0] = x1;
+    c->x[1] = x2;
+    c->alpha = I > 0.0 ? (torque1 - r1 * (a1 * x1 + r1 * q1)) / I : (r1 * x1 - a1 * q1 - axial1) / m;
+    iterate(pin, loads, by_alpha, c);
+    c->possible = c->possible && is_on_flanks(pin, c);
+}
+
 /* N/m, of the larger reaction of *c, as a size of x_2. */
 static double size_of(const LoadedPin *pin, const LoadedContacts *c) {
     const CamParams *cam = pin->params->cam;
@@ -197,7 +255,9 @@ COMPACT static void solve(const LoadedPin *pin, const LoadTerms *loads, const Lo
     begin(pin, loads, by_alpha, c);
     const double size = size_of(pin, c);
     iterate(pin, loads, by_alpha, c);
-    if (!c->possible) search(pin, loads, by_alpha, size, LOADED_SEARCH_SAMPLES, c);
+    if (c->possible) return;
+    if (by_alpha != NULL && by_alpha->torque == 0.0) search_without_shaft(pin, loads, by_alpha, c);
+    else search(pin, loads, by_alpha, size, LOADED_SEARCH_SAMPLES, c);
 }
 
 /* Under known loads, with the reactions on their flanks. Newton's method can end at a balance off the flanks, where the law
@@ -209,6 +269,41 @@ COMPACT static void search_on_flanks(const LoadedPin *pin, const LoadTerms *load
 
 NOINLINE void loaded_contacts_under(const LoadedPin *pin, const LoadTerms *loads, LoadedContacts *out) {
     solve(pin, loads, NULL, out);
+}
+
+/* ---- in a known motion ---- */
+
+/* r_i n_i x_i, N.m. */
+static double torque_of(const LoadedPin *pin, const LoadedContacts *c, int i) {
+    const double r = pin->params->cam[i].radius;
+    return r * (pin->slope[i] + r * c->friction[i]) * c->x[i];
+}
+
+/* By how much the reactions miss the torques at both contacts and the axial load, as a share of the terms. */
+COMPACT static double missed_share(const LoadedPin *pin, const LoadTerms *loads, const double torque[2],
+                                   const LoadedContacts *c) {
+    double axial = -loads->axial, terms = loads->size, share = 0.0;
+    for (int i = 0; i < 2; i++) {
+        const double r = pin->params->cam[i].radius, a = pin->slope[i], friction = c->friction[i];
+        const double size = r * (a + r * fabs(friction)) * fabs(c->x[i]) + fabs(torque[i]);
+        share = max_of(share, fabs(torque_of(pin, c, i) - torque[i]) / (size + DBL_MIN));
+        axial += (r - a * friction) * c->x[i];
+        terms += (r + a * fabs(friction)) * fabs(c->x[i]);
+    }
+    return max_of(share, fabs(axial) / (terms + DBL_MIN));
+}
+
+NOINLINE void loaded_contacts_in_motion(const LoadedPin *pin, const LoadTerms *loads, LoadedContacts *c) {
+    solve(pin, loads, NULL, c);
+    const double torque[2] = {loads->torque - loads->moment, loads->torque};
+    const double missed = missed_share(pin, loads, torque, c);
+    if (!(missed > pin->params->tolerance)) return;
+    const double reaction[2] = {loaded_pin_reaction(pin, 0), loaded_pin_reaction(pin, 1)};
+    double unused[2];
+    LoadedContacts other = *c;
+    for (int i = 0; i < 2; i++) other.x[i] = root_by_torque(pin, i, torque[i]);
+    linearise(pin, reaction, &other, unused);
+    if (missed_share(pin, loads, torque, &other) < missed) *c = other;
 }
 
 NOINLINE void loaded_contacts_moving(const LoadedPin *pin, const LoadTerms *loads, const LoadTerms *by_alpha,

@@ -47,6 +47,10 @@ typedef struct {
 /* Under known loads A and W; T is not used. */
 void loaded_contacts_under(const LoadedPin *pin, const LoadTerms *loads, LoadedContacts *out);
 
+/* In a known motion T is known, too, and one of the three equations is left over. Where Delta is rounding, x_i from A and W
+ * have no digits: the torques T - W and T then give x_i. The solution that misses the three equations least is taken. */
+void loaded_contacts_in_motion(const LoadedPin *pin, const LoadTerms *loads, LoadedContacts *out);
+
 /* Finds alpha, too. */
 void loaded_contacts_moving(const LoadedPin *pin, const LoadTerms *loads, const LoadTerms *by_alpha,
                             LoadedContacts *out);

@@ -173,8 +173,10 @@ COMPACT void loaded_slip_set_under(const SlipMode *slip, const LoadedMotion *b, 
     LoadTerms loads, by_alpha;
     find_loads(slip, k, b->force + b->damper, b->omega, &loads, &by_alpha);
     loads.size = fabs(b->force) + fabs(b->F_ext) + fabs(b->damper);
+    loads.torque = b->torque;
     loads.axial += by_alpha.axial * b->alpha;
     loads.moment += by_alpha.moment * b->alpha;
-    loaded_contacts_under(&pin, &loads, &k->loaded);
+    if (b->has_torque) loaded_contacts_in_motion(&pin, &loads, &k->loaded);
+    else loaded_contacts_under(&pin, &loads, &k->loaded);
     set_factors(slip, b->z, b->omega, b->alpha, k);
 }

@@ -24,6 +24,8 @@ LoadedMotionResponse loaded_slip_motion(const SlipMode *slip, const SlipCoeffici
 typedef struct {
     double z, omega, alpha;      /* m, rad/s, rad/s^2 */
     double force, damper, F_ext; /* N: F_0, D and the part F_ext of F_0 */
+    bool has_torque;             /* T is known */
+    double torque;               /* N.m: T */
 } LoadedMotion;
 
 /* The same under these loads. */

@@ -72,8 +72,10 @@ COMPACT static bool has_left_flanks(const SlipMode *slip, const RadauStep *step)
     return left;
 }
 
-/* The segment along a Radau step to its end. False if a value is not finite. */
-static bool radau_segment(Mechanism *m, const SlipMode *slip, EventLocation *location, Segment *segment) {
+/* The segment along a Radau step to its end, with `left` seconds left. False if a value is not finite. A segment below the
+ * rounding of the time has the reactions of the next one, or those of contacts that let go, which are quotients of two
+ * zeros: it raises no peak. */
+static bool radau_segment(Mechanism *m, const SlipMode *slip, double left, EventLocation *location, Segment *segment) {
     const RadauStep *step = &location->step;
     const Balance *end = radau_step_end(step);
     if (!booking_is_in_range(&step->booking, step->dtheta + end->omega)) return false;
@@ -81,7 +83,7 @@ static bool radau_segment(Mechanism *m, const SlipMode *slip, EventLocation *loc
     segment->books = true;
     segment->booking = step->booking;
     segment->energy_gained = step->energy_gained;
-    if (m->params.ledger) raise_radau_peaks(m, slip, step, segment);
+    if (m->params.ledger && step->h > DBL_EPSILON * left) raise_radau_peaks(m, slip, step, segment);
     segment->end = location->kind;
     if (location->kind == EVENT_FLANK) segment->load_ahead = load_after(slip, end);
     segment->duration = step->h;
@@ -160,7 +162,7 @@ static bool propose_along(Mechanism *m, const SlipMode *slip, const Balance *sta
         segment->load_ahead = load;
         return true;
     }
-    if (found) return radau_segment(m, slip, location, segment);
+    if (found) return radau_segment(m, slip, left, location, segment);
     const double unseen = unseen_time(m, slip, start, left);
     if (unseen > 0.0) rest_propose_for(m, min_of(left, unseen), segment);
     else jam_propose(m, segment);
