@@ -295,6 +295,8 @@ COMPACT static double missed_share(const LoadedPin *pin, const LoadTerms *loads,
 
 NOINLINE void loaded_contacts_in_motion(const LoadedPin *pin, const LoadTerms *loads, LoadedContacts *c) {
     solve(pin, loads, NULL, c);
+    const ContactFactors *f = &c->tangent;
+    if (!(fabs(f->delta) <= LOADED_FAINT_DELTA * (fabs(f->q) + fabs(f->rn[0] * f->d[1])))) return;
     const double torque[2] = {loads->torque - loads->moment, loads->torque};
     const double missed = missed_share(pin, loads, torque, c);
     if (!(missed > pin->params->tolerance)) return;

@@ -31,6 +31,9 @@ static const double LOADED_LEAST_FORCE = 1e-12;
 /* Share of a_i in n_i that passes on no torque. */
 static const double LOADED_NO_TORQUE = 1e-6;
 
+/* Share of the terms of Delta below which the reactions from A and W have lost more than half of their digits. */
+static const double LOADED_FAINT_DELTA = 1e-8;
+
 /* Newton's method for both reactions ends at a relative change of LOADED_LAST_CHANGE, or where the changes stop falling
  * below LOADED_STALLED. Each change must fall by the share LOADED_SHARE_GAINED of the change made before, else less of the
  * next one is made, at least LOADED_LEAST_SHARE of it. */
