@@ -1,8 +1,8 @@
 """Friction that depends on the load (docs/mechanism.md, section 9): reactions that the balance has are found,
 and have digits where Delta is rounding.
 
-Oracles: the torque at each contact, a law whose exponent is zero, the balance of energy, and DOP853 with the
-reaction of each contact by bisection.
+Oracles: a law whose exponent is zero, the balance of energy, and DOP853 with the reaction of a contact by
+bisection.
 """
 
 import math
