@@ -131,6 +131,12 @@ typedef struct {
     double alpha, x1, missed;
 } Eliminated;
 
+/* q_i = f_i x_i, N/m, by the law. */
+static double friction_force(const LoadedPin *pin, int i, double x) {
+    const double R = fabs(x) * loaded_pin_reaction(pin, i);
+    return sign_on(pin, i) * friction_under(&pin->params->cam[i], pin->speed[i], R).value * x;
+}
+
 /* Contact i passes on r_i (a_i x_i + r_i q_i) as torque and r_i x_i - a_i q_i as axial force, with q_i = f_i x_i. So x_2
  * gives both for contact 2, the balances give both for contact 1, and these two forces are linear in x_1 and q_1. */
 COMPACT static Eliminated eliminate(const Elimination *e, double x2) {
@@ -138,8 +144,7 @@ COMPACT static Eliminated eliminate(const Elimination *e, double x2) {
     const CamParams *cam = pin->params->cam;
     const double r1 = cam[0].radius, r2 = cam[1].radius, a1 = pin->slope[0], a2 = pin->slope[1];
     work_add(pin->work, 1);
-    const double mu2 = friction_under(&cam[1], pin->speed[1], fabs(x2) * loaded_pin_reaction(pin, 1)).value;
-    const double q2 = sign_on(pin, 1) * mu2 * x2, torque2 = r2 * (a2 * x2 + r2 * q2);
+    const double q2 = friction_force(pin, 1, x2), torque2 = r2 * (a2 * x2 + r2 * q2);
     LoadTerms loads = *e->loads;
     Eliminated out = {.alpha = 0.0};
     if (e->by_alpha != NULL) {
@@ -150,8 +155,7 @@ COMPACT static Eliminated eliminate(const Elimination *e, double x2) {
     const double torque1 = torque2 - loads.moment, axial1 = loads.axial - (r2 * x2 - a2 * q2);
     const double inverse = 1.0 / (r1 * r1 + a1 * a1);
     out.x1 = (r1 * axial1 + a1 * torque1 / r1) * inverse;
-    const double mu1 = friction_under(&cam[0], pin->speed[0], fabs(out.x1) * loaded_pin_reaction(pin, 0)).value;
-    out.missed = (torque1 - a1 * axial1) * inverse - sign_on(pin, 0) * mu1 * out.x1;
+    out.missed = (torque1 - a1 * axial1) * inverse - friction_force(pin, 0, out.x1);
     return out;
 }
 
@@ -193,11 +197,6 @@ typedef struct {
     int contact;
     double p, q, c;
 } ContactEquation;
-
-static double friction_force(const LoadedPin *pin, int i, double x) {
-    const double R = fabs(x) * loaded_pin_reaction(pin, i);
-    return sign_on(pin, i) * friction_under(&pin->params->cam[i], pin->speed[i], R).value * x;
-}
 
 static double missed_of_contact(const void *context, double x) {
     const ContactEquation *e = context;
