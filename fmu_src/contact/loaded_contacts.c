@@ -119,7 +119,39 @@ COMPACT static void begin(const LoadedPin *pin, const LoadTerms *loads, const Lo
     improve(pin, loads, by_alpha, none, 1.0, c);
 }
 
-/* ---- where Newton's method ends nowhere ---- */
+/* ---- where Newton's method does not find the answer ---- */
+
+/* Samples of a reaction on its flank, N/m, each LOADED_SEARCH_FACTOR times the one before, for a change of the sign of
+ * `missed`. */
+typedef struct {
+    ScalarFunction *missed;
+    const void *context;
+    double at, missed_at;
+    int left; /* samples */
+} Samples;
+
+/* The first sample is a LOADED_SEARCH_RANGE-th of `size`, N/m, on the flank. No sample is taken of a size that is zero or
+ * not finite. */
+COMPACT static Samples samples_on_flank(ScalarFunction *missed, const void *context, int flank, double size,
+                                        int samples) {
+    const double at = flank * size / LOADED_SEARCH_RANGE;
+    const bool can = size > 0.0 && isfinite(size);
+    return (Samples){missed, context, at, can ? missed(context, at) : 0.0, can ? samples : 0};
+}
+
+/* Goes on to the next change of sign. */
+COMPACT static bool next_root(Samples *s, double *root) {
+    while (s->left > 0) {
+        s->left--;
+        const double before = s->at, missed_before = s->missed_at;
+        s->at = LOADED_SEARCH_FACTOR * before;
+        s->missed_at = s->missed(s->context, s->at);
+        if ((s->missed_at > 0.0) == (missed_before > 0.0)) continue;
+        *root = root_between(s->missed, s->context, before, missed_before, s->at, s->missed_at);
+        return true;
+    }
+    return false;
+}
 
 typedef struct {
     const LoadedPin *pin;
@@ -168,27 +200,48 @@ static bool is_on_flanks(const LoadedPin *pin, const LoadedContacts *c) {
     return pin->flank[0] * c->x[0] >= 0.0 && pin->flank[1] * c->x[1] >= 0.0;
 }
 
-/* Takes `samples` samples of x_2 on its flank, from `size`, N/m, over LOADED_SEARCH_RANGE upward, for a balance that is the
- * only answer and has both reactions on their flanks. */
+/* How far a balance is an answer: from one that is not possible, or not on the flanks, to one at which the reactions settle
+ * between slightly elastic flanks (docs/mechanism.md, section 9, "Motion"). Without `by_alpha` nothing moves. */
+typedef enum { ANSWER_NONE, ANSWER_ON_FLANKS, ANSWER_SETTLES } AnswerRank;
+
+static double inertia_of(const LoadTerms *by_alpha, const LoadedContacts *c) {
+    const ContactFactors *f = &c->tangent;
+    return by_alpha->torque * f->delta + by_alpha->axial * f->p + by_alpha->moment * f->q;
+}
+
+COMPACT static AnswerRank rank_of(const LoadedPin *pin, const LoadTerms *by_alpha, const LoadedContacts *c) {
+    if (!c->possible || !is_on_flanks(pin, c)) return ANSWER_NONE;
+    const double inertia = by_alpha != NULL ? inertia_of(by_alpha, c) : 1.0;
+    if (inertia > 0.0) return ANSWER_SETTLES;
+    return inertia * c->tangent.delta > 0.0 ? ANSWER_ON_FLANKS : ANSWER_NONE;
+}
+
+typedef struct {
+    AnswerRank rank;
+    LoadedContacts contacts;
+} Answer;
+
+/* Improves the reactions of `tried` to a balance, and takes the balance if it is a better answer. Is the answer final? */
+COMPACT static bool improve_answer(const LoadedPin *pin, const LoadTerms *loads, const LoadTerms *by_alpha,
+                                   LoadedContacts *tried, Answer *best) {
+    iterate(pin, loads, by_alpha, tried);
+    const AnswerRank rank = rank_of(pin, by_alpha, tried);
+    if (rank > best->rank) *best = (Answer){rank, *tried};
+    return best->rank == ANSWER_SETTLES;
+}
+
+/* Takes samples of x_2. */
 COMPACT static void search(const LoadedPin *pin, const LoadTerms *loads, const LoadTerms *by_alpha, double size,
-                           int samples, LoadedContacts *c) {
+                           int samples, Answer *best) {
     const Elimination e = {pin, loads, by_alpha};
-    if (!(size > 0.0 && isfinite(size))) return;
-    double before = pin->flank[1] * size / LOADED_SEARCH_RANGE, missed_before = missed_by(&e, before);
-    for (int n = 0; n < samples; n++) { /* at most LOADED_FAR_SAMPLES turns */
-        const double after = LOADED_SEARCH_FACTOR * before, missed = missed_by(&e, after);
-        if ((missed > 0.0) != (missed_before > 0.0)) {
-            c->x[1] = root_between(missed_by, &e, before, missed_before, after, missed);
-            const Eliminated found = eliminate(&e, c->x[1]);
-            c->x[0] = found.x1;
-            c->alpha = found.alpha;
-            iterate(pin, loads, by_alpha, c);
-            if (c->possible && is_on_flanks(pin, c)) return;
-        }
-        before = after;
-        missed_before = missed;
+    Samples second = samples_on_flank(missed_by, &e, pin->flank[1], size, samples);
+    LoadedContacts tried;
+    while (next_root(&second, &tried.x[1])) { /* at most `samples` turns */
+        const Eliminated found = eliminate(&e, tried.x[1]);
+        tried.x[0] = found.x1;
+        tried.alpha = found.alpha;
+        if (improve_answer(pin, loads, by_alpha, &tried, best)) return;
     }
-    c->possible = false;
 }
 
 /* A scalar equation of one contact, p x_i + q f_i x_i = c. */
@@ -204,43 +257,38 @@ static double missed_of_contact(const void *context, double x) {
     return e->p * x + e->q * friction_force(e->pin, e->contact, x) - e->c;
 }
 
-/* The smallest x_i on the flank that fulfils the equation, or 0 where LOADED_SEARCH_SAMPLES samples show none. */
-COMPACT static double root_of_contact(const ContactEquation *e) {
+COMPACT static Samples samples_of(const ContactEquation *e) {
     const double size = fabs(e->c) / (fabs(e->p) + fabs(e->q));
-    if (!(size > 0.0 && isfinite(size))) return 0.0;
-    double before = e->pin->flank[e->contact] * size / LOADED_SEARCH_RANGE,
-           missed_before = missed_of_contact(e, before);
-    for (int n = 0; n < LOADED_SEARCH_SAMPLES; n++) {
-        const double after = LOADED_SEARCH_FACTOR * before, missed = missed_of_contact(e, after);
-        if ((missed > 0.0) != (missed_before > 0.0))
-            return root_between(missed_of_contact, e, before, missed_before, after, missed);
-        before = after;
-        missed_before = missed;
-    }
-    return 0.0;
+    return samples_on_flank(missed_of_contact, e, e->pin->flank[e->contact], size, LOADED_SEARCH_SAMPLES);
 }
 
 /* r_i n_i x_i = torque */
-static double root_by_torque(const LoadedPin *pin, int i, double torque) {
+static ContactEquation torque_equation(const LoadedPin *pin, int i, double torque) {
     const double r = pin->params->cam[i].radius;
-    const ContactEquation e = {pin, i, r * pin->slope[i], r * r, torque};
-    return root_of_contact(&e);
+    return (ContactEquation){pin, i, r * pin->slope[i], r * r, torque};
 }
 
 /* Without inertia of the shaft the torque tau - b omega alone makes x_2. The other two equations, without alpha, make x_1. */
 COMPACT static void search_without_shaft(const LoadedPin *pin, const LoadTerms *loads, const LoadTerms *by_alpha,
-                                         LoadedContacts *c) {
+                                         Answer *best) {
     const double r1 = pin->params->cam[0].radius, a1 = pin->slope[0], m = by_alpha->axial, I = by_alpha->moment;
-    const double x2 = root_by_torque(pin, 1, loads->torque);
-    const double axial1 = loads->axial - (pin->params->cam[1].radius * x2 - pin->slope[1] * friction_force(pin, 1, x2));
-    const double torque1 = loads->torque - loads->moment; /* both at alpha = 0 */
-    const ContactEquation e = {pin, 0, r1 * (m * a1 + I), m * r1 * r1 - I * a1, m * torque1 + I * axial1};
-    const double x1 = root_of_contact(&e), q1 = friction_force(pin, 0, x1);
-    c->x[0] = x1;
-    c->x[1] = x2;
-    c->alpha = I > 0.0 ? (torque1 - r1 * (a1 * x1 + r1 * q1)) / I : (r1 * x1 - a1 * q1 - axial1) / m;
-    iterate(pin, loads, by_alpha, c);
-    c->possible = c->possible && is_on_flanks(pin, c);
+    const double torque1 = loads->torque - loads->moment; /* at alpha = 0 */
+    const ContactEquation of_second = torque_equation(pin, 1, loads->torque);
+    Samples second = samples_of(&of_second);
+    double x[2];
+    while (next_root(&second, &x[1])) { /* at most LOADED_SEARCH_SAMPLES turns, as the other loop */
+        const double axial2 = pin->params->cam[1].radius * x[1] - pin->slope[1] * friction_force(pin, 1, x[1]);
+        const double axial1 = loads->axial - axial2; /* at alpha = 0 */
+        const ContactEquation of_first = {pin, 0, r1 * (m * a1 + I), m * r1 * r1 - I * a1, m * torque1 + I * axial1};
+        Samples first = samples_of(&of_first);
+        while (next_root(&first, &x[0])) {
+            const double q1 = friction_force(pin, 0, x[0]);
+            const double alpha =
+                I > 0.0 ? (torque1 - r1 * (a1 * x[0] + r1 * q1)) / I : (r1 * x[0] - a1 * q1 - axial1) / m;
+            LoadedContacts tried = {.alpha = alpha, .x = {x[0], x[1]}};
+            if (improve_answer(pin, loads, by_alpha, &tried, best)) return;
+        }
+    }
 }
 
 /* N/m, of the larger reaction of *c, as a size of x_2. */
@@ -249,21 +297,26 @@ static double size_of(const LoadedPin *pin, const LoadedContacts *c) {
     return max_of(fabs(c->x[0]) * cam[0].radius, fabs(c->x[1]) * cam[1].radius) / cam[1].radius;
 }
 
-/* The iteration starts as if no friction acted. */
+/* The iteration starts as if no friction acted. It can end nowhere, or in a motion where the reactions do not settle. A
+ * search then goes on to the smallest better answer on the flanks. A balance off the flanks where the reactions settle
+ * stays: a reaction that passes zero comes there. */
 COMPACT static void solve(const LoadedPin *pin, const LoadTerms *loads, const LoadTerms *by_alpha, LoadedContacts *c) {
     begin(pin, loads, by_alpha, c);
     const double size = size_of(pin, c);
     iterate(pin, loads, by_alpha, c);
-    if (c->possible) return;
-    if (by_alpha != NULL && by_alpha->torque == 0.0) search_without_shaft(pin, loads, by_alpha, c);
-    else search(pin, loads, by_alpha, size, LOADED_SEARCH_SAMPLES, c);
+    if (c->possible && (by_alpha == NULL || inertia_of(by_alpha, c) > 0.0)) return;
+    Answer best = {rank_of(pin, by_alpha, c), *c};
+    if (by_alpha != NULL && by_alpha->torque == 0.0) search_without_shaft(pin, loads, by_alpha, &best);
+    else search(pin, loads, by_alpha, size, LOADED_SEARCH_SAMPLES, &best);
+    *c = best.contacts;
 }
 
-/* Under known loads, with the reactions on their flanks. Newton's method can end at a balance off the flanks, where the law
- * holds for |x_i| but the pin has left the flank, while there is another one on the flanks. */
+/* Under known loads, with the reactions on their flanks. */
 COMPACT static void search_on_flanks(const LoadedPin *pin, const LoadTerms *loads, LoadedContacts *c) {
+    Answer best = {.rank = ANSWER_NONE};
     begin(pin, loads, NULL, c);
-    search(pin, loads, NULL, size_of(pin, c), LOADED_FAR_SAMPLES, c);
+    search(pin, loads, NULL, size_of(pin, c), LOADED_FAR_SAMPLES, &best);
+    *c = best.contacts;
 }
 
 NOINLINE void loaded_contacts_under(const LoadedPin *pin, const LoadTerms *loads, LoadedContacts *out) {
@@ -302,7 +355,11 @@ NOINLINE void loaded_contacts_in_motion(const LoadedPin *pin, const LoadTerms *l
     const double reaction[2] = {loaded_pin_reaction(pin, 0), loaded_pin_reaction(pin, 1)};
     double unused[2];
     LoadedContacts other = *c;
-    for (int i = 0; i < 2; i++) other.x[i] = root_by_torque(pin, i, torque[i]);
+    for (int i = 0; i < 2; i++) {
+        const ContactEquation e = torque_equation(pin, i, torque[i]);
+        Samples samples = samples_of(&e);
+        if (!next_root(&samples, &other.x[i])) other.x[i] = 0.0;
+    }
     linearise(pin, reaction, &other, unused);
     if (missed_share(pin, loads, torque, &other) < missed) *c = other;
 }
