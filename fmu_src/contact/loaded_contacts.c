@@ -141,7 +141,7 @@ COMPACT static Samples samples_on_flank(ScalarFunction *missed, const void *cont
 
 /* Goes on to the next change of sign. */
 COMPACT static bool next_root(Samples *s, double *root) {
-    while (s->left > 0) {
+    while (s->left > 0) { /* at most LOADED_FAR_SAMPLES turns */
         s->left--;
         const double before = s->at, missed_before = s->missed_at;
         s->at = LOADED_SEARCH_FACTOR * before;
@@ -164,7 +164,7 @@ typedef struct {
 } Eliminated;
 
 /* q_i = f_i x_i, N/m, by the law. */
-static double friction_force(const LoadedPin *pin, int i, double x) {
+COMPACT static double friction_force(const LoadedPin *pin, int i, double x) {
     const double R = fabs(x) * loaded_pin_reaction(pin, i);
     return sign_on(pin, i) * friction_under(&pin->params->cam[i], pin->speed[i], R).value * x;
 }
@@ -204,7 +204,7 @@ static bool is_on_flanks(const LoadedPin *pin, const LoadedContacts *c) {
  * between slightly elastic flanks (docs/mechanism.md, section 9, "Motion"). Without `by_alpha` nothing moves. */
 typedef enum { ANSWER_NONE, ANSWER_ON_FLANKS, ANSWER_SETTLES } AnswerRank;
 
-static double inertia_of(const LoadTerms *by_alpha, const LoadedContacts *c) {
+COMPACT static double inertia_of(const LoadTerms *by_alpha, const LoadedContacts *c) {
     const ContactFactors *f = &c->tangent;
     return by_alpha->torque * f->delta + by_alpha->axial * f->p + by_alpha->moment * f->q;
 }
@@ -263,7 +263,7 @@ COMPACT static Samples samples_of(const ContactEquation *e) {
 }
 
 /* r_i n_i x_i = torque */
-static ContactEquation torque_equation(const LoadedPin *pin, int i, double torque) {
+COMPACT static ContactEquation torque_equation(const LoadedPin *pin, int i, double torque) {
     const double r = pin->params->cam[i].radius;
     return (ContactEquation){pin, i, r * pin->slope[i], r * r, torque};
 }
@@ -276,12 +276,12 @@ COMPACT static void search_without_shaft(const LoadedPin *pin, const LoadTerms *
     const ContactEquation of_second = torque_equation(pin, 1, loads->torque);
     Samples second = samples_of(&of_second);
     double x[2];
-    while (next_root(&second, &x[1])) { /* at most LOADED_SEARCH_SAMPLES turns, as the other loop */
+    while (next_root(&second, &x[1])) { /* at most LOADED_SEARCH_SAMPLES turns */
         const double axial2 = pin->params->cam[1].radius * x[1] - pin->slope[1] * friction_force(pin, 1, x[1]);
         const double axial1 = loads->axial - axial2; /* at alpha = 0 */
         const ContactEquation of_first = {pin, 0, r1 * (m * a1 + I), m * r1 * r1 - I * a1, m * torque1 + I * axial1};
         Samples first = samples_of(&of_first);
-        while (next_root(&first, &x[0])) {
+        while (next_root(&first, &x[0])) { /* at most LOADED_SEARCH_SAMPLES turns */
             const double q1 = friction_force(pin, 0, x[0]);
             const double alpha =
                 I > 0.0 ? (torque1 - r1 * (a1 * x[0] + r1 * q1)) / I : (r1 * x[0] - a1 * q1 - axial1) / m;
@@ -345,7 +345,7 @@ COMPACT static double missed_share(const LoadedPin *pin, const LoadTerms *loads,
     return max_of(share, fabs(axial) / (terms + DBL_MIN));
 }
 
-NOINLINE void loaded_contacts_in_motion(const LoadedPin *pin, const LoadTerms *loads, LoadedContacts *c) {
+COMPACT void loaded_contacts_in_motion(const LoadedPin *pin, const LoadTerms *loads, LoadedContacts *c) {
     solve(pin, loads, NULL, c);
     const ContactFactors *f = &c->tangent;
     if (!(fabs(f->delta) <= LOADED_FAINT_DELTA * (fabs(f->q) + fabs(f->rn[0] * f->d[1])))) return;
