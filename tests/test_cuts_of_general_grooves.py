@@ -265,6 +265,10 @@ def test_scenes_do_not_depend_on_cuts(make_model, tmp_path, scene):
             rows = parameters[f"cam{i}.table"]
             write_table(tmp_path / f"cam{i}.csv", *zip(*rows, strict=True))
             parameters[f"cam{i}.table"] = str(tmp_path / f"cam{i}.csv")
+        if parameters.get(f"cam{i}.friction_table"):
+            path = tmp_path / f"friction{i}.csv"
+            path.write_text("".join(",".join(row) + "\n" for row in parameters[f"cam{i}.friction_table"]))
+            parameters[f"cam{i}.friction_table"] = str(path)
     ends = []
     for cuts in ([], scene["cuts"], list(np.arange(1, 20) / 20)):
         fmu = make_model(FORWARD).start(parameters)

@@ -200,9 +200,9 @@ static bool is_on_flanks(const LoadedPin *pin, const LoadedContacts *c) {
     return pin->flank[0] * c->x[0] >= 0.0 && pin->flank[1] * c->x[1] >= 0.0;
 }
 
-/* How far a balance is an answer. At the best ones the reactions are on the flanks, and settle between slightly elastic flanks
- * (docs/mechanism.md, section 9, "Motion"). Without `by_alpha` nothing moves. */
-typedef enum { ANSWER_NONE, ANSWER_POSSIBLE, ANSWER_SETTLES } AnswerRank;
+/* How far a balance is an answer: from one that is not possible, or not on the flanks, to one at which the reactions settle
+ * between slightly elastic flanks (docs/mechanism.md, section 9, "Motion"). Without `by_alpha` nothing moves. */
+typedef enum { ANSWER_NONE, ANSWER_ON_FLANKS, ANSWER_SETTLES } AnswerRank;
 
 COMPACT static double inertia_of(const LoadTerms *by_alpha, const LoadedContacts *c) {
     const ContactFactors *f = &c->tangent;
@@ -213,7 +213,7 @@ COMPACT static AnswerRank rank_of(const LoadedPin *pin, const LoadTerms *by_alph
     if (!c->possible || !is_on_flanks(pin, c)) return ANSWER_NONE;
     const double inertia = by_alpha != NULL ? inertia_of(by_alpha, c) : 1.0;
     if (inertia > 0.0) return ANSWER_SETTLES;
-    return inertia * c->tangent.delta > 0.0 ? ANSWER_POSSIBLE : ANSWER_NONE;
+    return inertia * c->tangent.delta > 0.0 ? ANSWER_ON_FLANKS : ANSWER_NONE;
 }
 
 typedef struct {
@@ -297,17 +297,16 @@ static double size_of(const LoadedPin *pin, const LoadedContacts *c) {
     return max_of(fabs(c->x[0]) * cam[0].radius, fabs(c->x[1]) * cam[1].radius) / cam[1].radius;
 }
 
-/* The iteration starts as if no friction acted. The iteration can end nowhere, or in a motion at reactions that do not
- * settle, or off the flanks although it starts on them. A search then goes on to the smallest answer on the flanks that
- * settles. A reaction that passes zero does so without friction, too: its balance off the flanks stays. */
+/* The iteration starts as if no friction acted. It can end nowhere, or in a motion on the flanks at reactions that do not
+ * settle. A search then goes on to the smallest better answer on the flanks. A balance off the flanks stays: there the law
+ * holds for |x_i|, and a reaction that passes zero comes there. */
 COMPACT static void solve(const LoadedPin *pin, const LoadTerms *loads, const LoadTerms *by_alpha, LoadedContacts *c) {
     begin(pin, loads, by_alpha, c);
     const double size = size_of(pin, c);
-    const bool starts_on_flanks = is_on_flanks(pin, c);
     iterate(pin, loads, by_alpha, c);
-    const bool leaves_flanks = starts_on_flanks && !is_on_flanks(pin, c);
-    if (c->possible && (by_alpha == NULL || (!leaves_flanks && inertia_of(by_alpha, c) > 0.0))) return;
-    Answer best = {c->possible ? ANSWER_POSSIBLE : ANSWER_NONE, *c};
+    const bool stays = by_alpha == NULL || inertia_of(by_alpha, c) > 0.0 || !is_on_flanks(pin, c);
+    if (c->possible && stays) return;
+    Answer best = {rank_of(pin, by_alpha, c), *c};
     if (by_alpha != NULL && by_alpha->torque == 0.0) search_without_shaft(pin, loads, by_alpha, &best);
     else search(pin, loads, by_alpha, size, LOADED_SEARCH_SAMPLES, &best);
     *c = best.contacts;

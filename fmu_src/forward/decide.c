@@ -234,6 +234,11 @@ static Decision decide_at_rest(const Mechanism *m, LinearSlipMode *built) {
     return (Decision){.mode = index < 0 ? MODE_WEDGED : slip_mode(direction), .slip_index = index};
 }
 
+/* Contacts without any load have pressed no flank: of several pairs that agree the present one is not the one that goes on. */
+static bool is_without_loads(const Mechanism *m, const Candidate *candidate) {
+    return has_friction(&m->params) && candidate->contact[0].value == 0.0 && candidate->contact[1].value == 0.0;
+}
+
 /* While the mechanism slips, the flanks stay the same as long as they agree with their reactions. Where several pairs
  * agree, the one that continues the motion comes first. */
 COMPACT static Decision decide_moving(const Mechanism *m, LinearSlipMode *built) {
@@ -242,9 +247,10 @@ COMPACT static Decision decide_moving(const Mechanism *m, LinearSlipMode *built)
     const int present = slip_index(direction, m->state.flank);
     const Candidate candidate = candidate_building(m, present, built);
     const bool stays = m->state.mode == mode;
-    if (stays && (agrees(m, present, &candidate, false) || is_before_change(present, &candidate)))
+    const bool agreed = agrees(m, present, &candidate, false);
+    if (stays && ((agreed && !is_without_loads(m, &candidate)) || is_before_change(present, &candidate)))
         return (Decision){.mode = mode, .slip_index = present};
-    const int across = stays ? slip_across_zero(m, present, &candidate) : -1;
+    const int across = stays && !agreed ? slip_across_zero(m, present, &candidate) : -1;
     if (across >= 0) {
         const Candidate next = candidate_building(m, across, built);
         if (agrees(m, across, &next, false)) return (Decision){.mode = mode, .slip_index = across};
