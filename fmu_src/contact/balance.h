@@ -28,6 +28,7 @@ typedef struct {
     bool possible; /* Delta != 0 and, if inertial, a positive effective inertia: else friction jams the motion; where
                           friction depends on the load LoadedMotionResponse.inertia > 0 suffices */
     bool stable;   /* more torque gives more motion */
+    bool settles;  /* inertial only: between slightly elastic flanks the reactions settle */
 } RightHandSide;
 
 /* The balance and all that enters it. */

@@ -14,6 +14,7 @@ Transfer contact_transfer(const Geometry *g, int direction, const int flank[2]) 
     const double inverse = regular ? 1.0 / f.delta : 0.0;
     return (Transfer){
         .regular = regular,
+        .settles = f.delta > 0.0,
         .rho = f.p * inverse,
         .rho_rate = f.p * inverse,
         .rho_kappa1 = f.q * inverse,

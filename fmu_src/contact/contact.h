@@ -25,6 +25,7 @@
 /* The linear map from axial load A and moment W to torque and reactions, for one direction and one pair of flanks. */
 typedef struct {
     bool regular;      /* Delta != 0 */
+    bool settles;      /* Delta > 0: the reactions of a possible motion settle */
     double rho;        /* m, T per A */
     double rho_rate;   /* m, dT/dA: rho, unless friction depends on the load */
     double rho_kappa1; /* T per W */

@@ -55,8 +55,10 @@ static bool is_backward(const LinearSlipMode *linear) {
     return linear->regime == REGIME_VISCOUS && linear->damping < 0.0;
 }
 
-/* Without inertia and damping, on the edge of the stick band: unstable if the edge falls along the motion. */
+/* Without inertia and damping, on the edge of the stick band: unstable if the edge falls along the motion. With inertia:
+ * unstable if the reactions do not settle between slightly elastic flanks. */
 static bool is_stable(const LinearSlipMode *linear) {
+    if (linear->regime == REGIME_INERTIAL) return linear->transfer.settles;
     return linear->regime == REGIME_RATE_INDEPENDENT ? linear->stiffness > 0.0 : !is_backward(linear);
 }
 
@@ -209,7 +211,7 @@ static Candidate general_candidate(const Mechanism *m, int index) {
     Candidate candidate = {
         .possible = true,
         .regime = slip.regime,
-        .stable = now.rhs.stable,
+        .stable = inertial ? now.rhs.settles : now.rhs.stable,
         .net = slip.regime == REGIME_VISCOUS && !now.rhs.stable ? -rates.net : rates.net,
         .net_size = rates.net_size,
         .tie = stick_tie(m),

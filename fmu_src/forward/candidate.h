@@ -8,7 +8,8 @@
 
 typedef struct {
     bool possible;
-    bool stable; /* more torque means more speed; an unstable candidate is taken only if no stable one agrees */
+    /* Without inertia: more torque means more speed. With inertia: between slightly elastic flanks the reactions settle. */
+    bool stable;
     Regime regime;
     double net, net_size;   /* N.m: torque beyond the torque that holds the load, and the size of its terms */
     double tie;             /* share of net_size below which net counts as zero */

@@ -125,11 +125,12 @@ typedef enum {
 } SearchStart;
 
 /* The index of the slip mode whose flanks agree, or -1. Of several the pair of the flanks that support the axial load comes
- * first. Without inertia each pair has a speed of its own; where friction varies with the speed the slowest comes first: a
- * mechanism with hardly any inertia, accelerated from rest by the torque that is left, reaches it first (A. N. Tikhonov's
- * theorem on systems with a small parameter). Where none agrees, from a motion one that is just before a change of flanks or
- * without loads, or one that leaves the range of numbers: the step is then refused in this mode. *built receives the
- * coefficients of the last candidate that had none in the model; mostly this is the slip mode that is found. */
+ * first, then a pair that is stable (candidate.h). Without inertia each pair has a speed of its own, and only a stable pair
+ * comes first; where friction varies with the speed the slowest does: a mechanism with hardly any inertia, accelerated from
+ * rest by the torque that is left, reaches it first (A. N. Tikhonov's theorem on systems with a small parameter). Where none
+ * agrees, from a motion one that is just before a change of flanks or without loads, or one that leaves the range of
+ * numbers: the step is then refused in this mode. *built receives the coefficients of the last candidate that had none in
+ * the model; mostly this is the slip mode that is found. */
 static int find_slip_mode(const Mechanism *m, int direction, SearchStart from, LinearSlipMode *built) {
     const int sign = load_sign(m, direction);
     int first = -1, before = -1, overflowing = -1, slowest = -1;
@@ -145,7 +146,8 @@ static int find_slip_mode(const Mechanism *m, int direction, SearchStart from, L
         if (unloaded && (before < 0 || (from == FROM_FLANKS && index == present_slip_index(m)))) before = index;
         if (overflows(&candidate)) overflowing = index;
         if (!agrees(m, index, &candidate, from == FROM_REST)) continue;
-        if (candidate.stable && !slowest_first) return index;
+        const bool supports = k == 0 && candidate.regime == REGIME_INERTIAL;
+        if (!slowest_first && (supports || candidate.stable)) return index;
         if (candidate.stable && fabs(candidate.omega) < least) {
             slowest = index;
             least = SLOWER * fabs(candidate.omega);
@@ -253,7 +255,7 @@ COMPACT static Decision decide_moving(const Mechanism *m, LinearSlipMode *built)
     const int across = stays && !agreed ? slip_across_zero(m, present, &candidate) : -1;
     if (across >= 0) {
         const Candidate next = candidate_building(m, across, built);
-        if (agrees(m, across, &next, false)) return (Decision){.mode = mode, .slip_index = across};
+        if (next.stable && agrees(m, across, &next, false)) return (Decision){.mode = mode, .slip_index = across};
     }
     int index = find_slip_mode(m, direction, stays ? FROM_FLANKS : FROM_MOTION, built);
     if (index < 0 && stays && vanish_together(present, &candidate)) index = present;

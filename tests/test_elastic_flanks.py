@@ -1,0 +1,63 @@
+"""Of several pairs of flanks that agree, rigid flanks take the pair on which slightly elastic flanks end
+(docs/mechanism.md, section 6). The pairs that the FMU took before give angles that differ by 4 to 90 %.
+
+Oracle: tests/support/elastic_flanks.py, without any rule of flanks.
+"""
+
+import numpy as np
+import pytest
+from driver import OK, models
+from elastic_flanks import ElasticFlanks
+from test_loaded_reactions import LOCKED
+
+FORWARD = models["DualCamForward"]
+END = 0.02  # s
+
+
+def random_cams(number: int, depends_on_load: bool) -> tuple[dict[str, float], float]:
+    """Helical cams whose contacts mostly lock on some flank, and a torque, N.m, at rest without loads."""
+    rng = np.random.default_rng([5, number])
+    p = {"spring.preload": 0.0, "contacts": 1, "stop.lower": -40.0, "stop.upper": 40.0}
+    for i in (1, 2):
+        p[f"cam{i}.radius"] = 10 ** rng.uniform(-2, -1)
+        p[f"cam{i}.lead_angle"] = rng.uniform(0.1, 1.4)
+        p[f"cam{i}.friction"] = rng.uniform(0.05, 1.5)
+        if depends_on_load:
+            p[f"cam{i}.friction_load_exponent"] = rng.uniform(-0.6, 0.6)
+            p[f"cam{i}.friction_load"] = 10 ** rng.uniform(0, 3)
+            p[f"cam{i}.friction"] = rng.uniform(0.05, 0.8)
+    p["inertia.shaft"] = 10 ** rng.uniform(-5, -2)
+    p["inertia.follower_mass"] = 10 ** rng.uniform(-2, 0.5)
+    p["inertia.follower"] = 10 ** rng.uniform(-5, -2)
+    p["spring.stiffness"] = rng.choice([0.0, 10 ** rng.uniform(2, 4)])
+    return p, rng.choice([-1, 1]) * 10 ** rng.uniform(-1, 1)
+
+
+def angle_of_rigid(make_model, parameters, tau, end):
+    fmu = make_model(FORWARD).start(parameters | {"tau": tau})
+    assert fmu.call("fmi2DoStep", 0.0, end, 1) == OK, fmu.messages[-1].text
+    return fmu.get("theta")
+
+
+@pytest.mark.parametrize("curved", [False, True])
+@pytest.mark.parametrize("number", [514, 609, 738, 831, 1379, 1543, 1724, 1782, 1988])
+def test_coulomb_friction(make_model, number, curved):
+    """In closed form and, with a spring that is a little curved, by collocation."""
+    p, tau = random_cams(number, False)
+    elastic = ElasticFlanks(p, tau).angle_after(END)
+    spring = {"spring.stiffness3": 1e-9} if curved else {}
+    assert angle_of_rigid(make_model, p | spring, tau, END) == pytest.approx(elastic, rel=3e-4)
+
+
+@pytest.mark.parametrize("number", [358, 376, 446, 851, 1141, 1310])
+def test_friction_that_depends_on_the_load(make_model, number):
+    p, tau = random_cams(number, True)
+    elastic = ElasticFlanks(p, tau).angle_after(END)
+    assert angle_of_rigid(make_model, p, tau, END) == pytest.approx(elastic, rel=3e-4)
+
+
+@pytest.mark.parametrize("mass", [0.3, 1.0])
+def test_a_shaft_with_hardly_any_inertia(make_model, mass):
+    p, tau, end = LOCKED | {"inertia.follower_mass": mass, "inertia.shaft": 1e-6}, 5.32, 0.033
+    elastic = ElasticFlanks(p, tau).angle_after(end)
+    assert angle_of_rigid(make_model, p, tau, end) == pytest.approx(elastic, rel=3e-4)
