@@ -209,8 +209,14 @@ COMPACT static double inertia_of(const LoadTerms *by_alpha, const LoadedContacts
     return by_alpha->torque * f->delta + by_alpha->axial * f->p + by_alpha->moment * f->q;
 }
 
+/* From rest no motion in the direction of the pin accelerates against this direction. */
+static bool accelerates_back(const LoadedPin *pin, const LoadedContacts *c) {
+    return pin->speed[0] == 0.0 && pin->speed[1] == 0.0 && pin->direction * c->alpha < 0.0;
+}
+
 COMPACT static AnswerRank rank_of(const LoadedPin *pin, const LoadTerms *by_alpha, const LoadedContacts *c) {
     if (!c->possible || !is_on_flanks(pin, c)) return ANSWER_NONE;
+    if (by_alpha != NULL && accelerates_back(pin, c)) return ANSWER_NONE;
     const double inertia = by_alpha != NULL ? inertia_of(by_alpha, c) : 1.0;
     if (inertia > 0.0) return ANSWER_SETTLES;
     return inertia * c->tangent.delta > 0.0 ? ANSWER_ON_FLANKS : ANSWER_NONE;

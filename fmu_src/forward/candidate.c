@@ -40,6 +40,9 @@ NOINLINE Balance balance_from_here(const Mechanism *m, const SlipMode *slip) {
     Balance now;
     balance_at(slip, m->state.theta.hi, m->state.omega.hi, 0.0, &now);
     const bool starts = slip->regime == REGIME_INERTIAL && m->state.omega.hi == 0.0;
+    /* Reactions at which more torque gives less acceleration can balance a motion that begins backwards. */
+    if (starts && slip->friction_is_loaded && !now.rhs.stable)
+        now.rhs.possible &= slip->direction * now.alpha >= -CANDIDATE_BACKWARD * now.rhs.size;
     if (starts && slip->direction * now.alpha < 0.0) now.alpha = now.rhs.value = 0.0;
     /* Where friction grows with the speed, no speed in this direction may balance the forces. */
     if (slip->friction_varies && slip->regime == REGIME_VISCOUS)
@@ -212,6 +215,7 @@ static Candidate general_candidate(const Mechanism *m, int index) {
         .possible = true,
         .regime = slip.regime,
         .stable = inertial ? now.rhs.settles : now.rhs.stable,
+        .recedes = inertial && !now.rhs.stable,
         .net = slip.regime == REGIME_VISCOUS && !now.rhs.stable ? -rates.net : rates.net,
         .net_size = rates.net_size,
         .tie = stick_tie(m),

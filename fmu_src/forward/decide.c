@@ -10,9 +10,11 @@
 /* ---- does a slip mode agree with itself? ---- */
 
 COMPACT_BEGIN
-/* From rest the net torque must point in the direction of the slip, or be zero; a rate has decided then. */
+/* From rest the net torque must point in the direction of the slip, or be zero; a rate has decided then: the torque grows
+ * beyond the edge of the stick band. */
 static bool starts(const Candidate *candidate, int direction) {
-    return direction * candidate->net >= -candidate->tie * candidate->net_size;
+    const double rounding = candidate->tie * candidate->net_size;
+    return direction * candidate->net >= (candidate->recedes ? rounding : -rounding);
 }
 
 bool begins_with_jump(const Candidate *candidate, int direction) {
@@ -124,13 +126,20 @@ typedef enum {
     FROM_FLANKS, /* the mechanism moves on flanks that do not agree any more */
 } SearchStart;
 
-/* The index of the slip mode whose flanks agree, or -1. Of several the pair of the flanks that support the axial load comes
- * first, then a pair that is stable (candidate.h). Without inertia each pair has a speed of its own, and only a stable pair
- * comes first; where friction varies with the speed the slowest does: a mechanism with hardly any inertia, accelerated from
- * rest by the torque that is left, reaches it first (A. N. Tikhonov's theorem on systems with a small parameter). Where none
- * agrees, from a motion one that is just before a change of flanks or without loads, or one that leaves the range of
- * numbers: the step is then refused in this mode. *built receives the coefficients of the last candidate that had none in
- * the model; mostly this is the slip mode that is found. */
+/* Does the pair k of flanks, which agrees, come before those that follow? A stable pair does (candidate.h). So does, with
+ * inertia and under Coulomb friction, the pair of the flanks that support the axial load: with the reference values of the
+ * kinetostatic model (docs/mechanism.md, section 6). */
+static bool comes_first(const Mechanism *m, const Candidate *candidate, int k) {
+    const bool supports = k == 0 && candidate->regime == REGIME_INERTIAL && !m->model.friction_is_loaded;
+    return supports || candidate->stable;
+}
+
+/* The index of the slip mode whose flanks agree, or -1. Of several the first one that comes_first(). Without inertia each
+ * pair has a speed of its own; where friction varies with the speed the slowest comes first: a mechanism with hardly any
+ * inertia, accelerated from rest by the torque that is left, reaches it first (A. N. Tikhonov's theorem on systems with a
+ * small parameter). Where none agrees, from a motion one that is just before a change of flanks or without loads, or one
+ * that leaves the range of numbers: the step is then refused in this mode. *built receives the coefficients of the last
+ * candidate that had none in the model; mostly this is the slip mode that is found. */
 static int find_slip_mode(const Mechanism *m, int direction, SearchStart from, LinearSlipMode *built) {
     const int sign = load_sign(m, direction);
     int first = -1, before = -1, overflowing = -1, slowest = -1;
@@ -146,8 +155,7 @@ static int find_slip_mode(const Mechanism *m, int direction, SearchStart from, L
         if (unloaded && (before < 0 || (from == FROM_FLANKS && index == present_slip_index(m)))) before = index;
         if (overflows(&candidate)) overflowing = index;
         if (!agrees(m, index, &candidate, from == FROM_REST)) continue;
-        const bool supports = k == 0 && candidate.regime == REGIME_INERTIAL;
-        if (!slowest_first && (supports || candidate.stable)) return index;
+        if (!slowest_first && comes_first(m, &candidate, k)) return index;
         if (candidate.stable && fabs(candidate.omega) < least) {
             slowest = index;
             least = SLOWER * fabs(candidate.omega);
