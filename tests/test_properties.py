@@ -154,7 +154,9 @@ def test_energy_is_conserved_and_nothing_is_nan(make, parameters, steps):
 def largest_height(parameters, make) -> float:
     """m: z is a difference of heights of the grooves. It has the digits of the largest one between the stops,
     and those of the heights in the tables."""
-    ends = [started(make, parameters | {"initial.theta": parameters[f"stop.{s}"]}) for s in ("lower", "upper")]
+    ends = [
+        started(make, parameters | {"initial.theta": parameters[f"stop.{s}"]}) for s in ("lower", "upper")
+    ]
     tables = [parameters.get(f"cam{i}.table") for i in (1, 2)]
     heights = [np.abs(np.loadtxt(table, delimiter=",", skiprows=1)[:, 1]).max() for table in tables if table]
     return max(*(abs(end.get("z")) for end in ends), *heights)
