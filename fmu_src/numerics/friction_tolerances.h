@@ -58,4 +58,8 @@ static const double RADAU_LOADED_STRICT = 10.0;
 /* Iterations for the loads at the start: with a power of the load; with tables alone, whose curve is then followed. */
 enum { LOBATTO_LOAD_GUESSES = 2, LOBATTO_TABLE_GUESSES = 1 };
 
+/* Share of the terms of alpha. The location of the edge at which a motion begins misses less; an answer whose alpha points
+ * backwards by more is no start. */
+static const double CANDIDATE_BACKWARD = 1e-6;
+
 #endif

@@ -381,10 +381,6 @@ static const double CANDIDATE_AT_JAM = 1e9;
 static const double CANDIDATE_STEADY = 1.0, CANDIDATE_LOOK_AHEAD = 1e-3, CANDIDATE_LOOK_SHORTER = 0.125;
 enum { CANDIDATE_LOOKS = 8 };
 
-/* Share of the terms of alpha. The location of the edge at which a motion begins misses less; an answer whose alpha points
- * backwards by more is no start. */
-static const double CANDIDATE_BACKWARD = 1e-6;
-
 /* Rounding of theta, as a share of the largest angle, over REACTION_ZERO_SHARE: a reaction that is smaller than the
  * effect of this rounding counts as zero. */
 static const double CANDIDATE_ANGLE_ROUNDING = 4.0 * DBL_EPSILON / REACTION_ZERO_SHARE;
