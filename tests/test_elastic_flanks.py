@@ -1,5 +1,6 @@
 """Of several pairs of flanks that agree, rigid flanks take the pair on which slightly elastic flanks end
-(docs/mechanism.md, section 6). The pairs that the FMU took before give angles that differ by 4 to 90 %.
+(docs/mechanism.md, section 6). The pairs that the FMU took before give angles that differ by 4 to 90 %. The
+scenes are chosen among random ones in which both rules differ.
 
 Oracle: tests/support/elastic_flanks.py, without any rule of flanks.
 """
@@ -49,7 +50,7 @@ def test_coulomb_friction(make_model, number, curved):
     assert angle_of_rigid(make_model, p | spring, tau, END) == pytest.approx(elastic, rel=3e-4)
 
 
-@pytest.mark.parametrize("number", [358, 376, 446, 851, 1141, 1310])
+@pytest.mark.parametrize("number", [358, 376, 446, 851, 1141, 1215, 1310])
 def test_friction_that_depends_on_the_load(make_model, number):
     p, tau = random_cams(number, True)
     elastic = ElasticFlanks(p, tau).angle_after(END)
