@@ -297,7 +297,10 @@ def rests(fmu: Driver, mechanism, parameters) -> bool:
             return loaded_band(mechanism, theta, force, steeper)
         return band(r, [slope + steeper for slope in a], mu, force)
 
-    release, load = edges(force)
+    # F_0 has a rounding of its terms: contacts that lock under one sign of F_0 may not under the other one
+    forces = [force] if abs(force) > 4 * EPS * size else [force, 4 * EPS * size, -4 * EPS * size]
+    releases, loadings = zip(*map(edges, forces), strict=True)
+    release, load = max(releases), min(loadings)
     ratio = max((abs(edge) for edge in band(r, a, mu, size) if math.isfinite(edge)), default=0.0)
     rounding = TOLERANCE * (abs(tau) + ratio + a[0] * a[1] / (a[0] + a[1]) * size) + NOTHING
     rounding += 1e-15 * max(r) * size  # a groove that is level there is so to its digits
@@ -307,7 +310,7 @@ def rests(fmu: Driver, mechanism, parameters) -> bool:
     reach = max((abs(edge) for edge in band(r, a, mu, 1.0) if math.isfinite(edge)), default=0.0)
     rounding += (reach + max(r)) * noise
     if mode == STICK:
-        return release - rounding <= tau <= load + rounding
+        return min(releases) - rounding <= tau <= max(loadings) + rounding
     if mode == LOWER_STOP:
         return theta == parameters["stop.lower"] and tau <= release + rounding
     if mode == UPPER_STOP:

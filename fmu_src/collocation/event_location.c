@@ -100,6 +100,42 @@ static CrossingResult end_on_crossing(const SegmentLimits *limits, StepIndicator
     return CROSSING_NONE;
 }
 
+/* Is the reaction at the end of the step on its flank by far more than rounding? */
+static bool is_on_flank(const SegmentLimits *limits, StepIndicator indicator, const RadauStep *step) {
+    const double size = step_indicator_rate(limits, indicator, radau_step_end(step), step->h).rounding / DBL_EPSILON;
+    return step_indicator_at_end(limits, indicator, step) > LOCATION_LOST_SHARE * size;
+}
+
+/* Shortens the step until the indicator is not rounding at its end; false if it is rounding in shorter steps, too. */
+COMPACT static bool step_before_loss(const SegmentLimits *limits, StepIndicator indicator, const RadauStep *landed,
+                                     RadauStep *step) {
+    SlipMode slip = *limits->slip;
+    slip.to_rounding = true;
+    double share = LOCATION_LOSS;
+    for (int n = 0; n < LOCATION_EXTENSIONS; n++, share *= 4.0) {
+        const double h = landed->h * (1.0 - share);
+        if (radau_step_solve(&slip, &landed->start, h, landed->method->stages, step) &&
+            is_on_flank(limits, indicator, step))
+            return true;
+    }
+    return false;
+}
+
+/* Where friction depends on the load, Newton's method can lose the answer of the balance at some place and end at another
+ * one, off the flanks. The reactions on the flanks go on there, and a search finds them. The step then ends just before
+ * this place, and the event is the loss. */
+COMPACT static bool ends_on_loss(const SegmentLimits *limits, StepIndicator indicator, RadauStep *step) {
+    SlipMode searching = *limits->slip;
+    if (!searching.friction_is_loaded || searching.searches || searching.regime != REGIME_INERTIAL) return false;
+    searching.searches = searching.to_rounding = true;
+    const RadauStep landed = *step;
+    if (radau_step_solve(&searching, &landed.start, landed.h * (1.0 + LOCATION_LOSS), landed.method->stages, step) &&
+        is_on_flank(limits, indicator, step) && step_before_loss(limits, indicator, &landed, step))
+        return true;
+    *step = landed;
+    return false;
+}
+
 /* Lengthens the step by roundings until the indicator is not positive at its end: a reaction that is only nearly zero
  * would keep its flank, and without inertia a speed its direction. If no such step is found, the step stays as it
  * is. */
@@ -176,13 +212,15 @@ static bool end_on_first_event(const SegmentLimits *limits, const StopAhead *sto
         if (x == CROSSING_UNRESOLVED) return false;
         const RadauStep before = *step;
         const CrossingResult result = end_on_crossing(limits, first, x, step);
-        if (result == CROSSING_REACHED && must_step_past(limits, first)) step_past_zero(limits, first, step);
+        const bool lost =
+            result == CROSSING_REACHED && step_indicator_is_flank(first) && ends_on_loss(limits, first, step);
+        if (result == CROSSING_REACHED && !lost && must_step_past(limits, first)) step_past_zero(limits, first, step);
         *solved = step->h;
         if (result == CROSSING_BLOCKED) return false;
         const bool turns =
             first == STEP_TO_STOP && turns_at_stop(limits->slip, stop, step) && ends_at_stop(limits, &before);
         if (result == CROSSING_REACHED && !turns) {
-            location->kind = step_indicator_event(first);
+            location->kind = lost ? EVENT_LOST : step_indicator_event(first);
             location->at_breakpoint = first == STEP_BREAKPOINT;
         } else {
             *step = before;

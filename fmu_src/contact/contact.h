@@ -54,6 +54,9 @@ typedef struct {
 
 enum { FLANK_PAIR_COUNT = 4, SLIP_MODE_COUNT = 2 * FLANK_PAIR_COUNT /* directions x pairs of flanks */ };
 
+/* The index of a slip mode plus SLIP_SEARCHES is the same slip mode with SlipMode.searches. */
+enum { SLIP_SEARCHES = SLIP_MODE_COUNT };
+
 /* Pair k of flanks in the order in which a search tries the pairs: (s,s), (s,-s), (-s,s), (-s,-s) with s = `sign`, the
  * sign of the axial load. The supporting flanks come first. */
 static inline void flank_pair(int k, int sign, int flank[2]) {

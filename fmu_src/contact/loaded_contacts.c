@@ -303,19 +303,20 @@ static double size_of(const LoadedPin *pin, const LoadedContacts *c) {
     return max_of(fabs(c->x[0]) * cam[0].radius, fabs(c->x[1]) * cam[1].radius) / cam[1].radius;
 }
 
-/* The iteration starts as if no friction acted. It can end nowhere, or in a motion on the flanks at reactions that do not
- * settle. A search then goes on to the smallest better answer on the flanks. A balance off the flanks stays: there the law
- * holds for |x_i|, and a reaction that passes zero comes there. */
+/* The iteration starts as if no friction acted. It can end nowhere, or in a motion at reactions that do not settle. A search
+ * then goes on to the smallest better answer on the flanks. A balance off the flanks that settles stays, unless the pin
+ * searches: the law holds there for |x_i|, and a reaction that passes zero comes there. */
 COMPACT static void solve(const LoadedPin *pin, const LoadTerms *loads, const LoadTerms *by_alpha, LoadedContacts *c) {
     begin(pin, loads, by_alpha, c);
     const double size = size_of(pin, c);
     iterate(pin, loads, by_alpha, c);
-    const bool stays = by_alpha == NULL || inertia_of(by_alpha, c) > 0.0 || !is_on_flanks(pin, c);
+    const bool off = c->possible && !is_on_flanks(pin, c);
+    const bool stays = by_alpha == NULL || (inertia_of(by_alpha, c) > 0.0 && !(off && pin->searches));
     if (c->possible && stays) return;
     Answer best = {rank_of(pin, by_alpha, c), *c};
     if (by_alpha != NULL && by_alpha->torque == 0.0) search_without_shaft(pin, loads, by_alpha, &best);
     else search(pin, loads, by_alpha, size, LOADED_SEARCH_SAMPLES, &best);
-    *c = best.contacts;
+    if (!off || best.rank == ANSWER_SETTLES) *c = best.contacts;
 }
 
 /* Under known loads, with the reactions on their flanks. */

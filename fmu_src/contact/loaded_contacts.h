@@ -11,7 +11,11 @@
  * s_i > mu_i + R_i dmu_i/dR_i, which is (1 + nu) mu_i - nu mu_v v_i. Where it does not grow and yet n_i > 0, two
  * reactions give the same torque: the contact counts as locked, and the pair of flanks does not move. With a coefficient
  * that no load changes, a contact with n_i = 0 passes no torque at any load, and the balance has one answer. Where the
- * determinant with f'_i has lost the sign of Delta, the load does not grow with the torque: the pair jams. */
+ * determinant with f'_i has lost the sign of Delta, the load does not grow with the torque: the pair jams.
+ *
+ * Several answers. In a motion the balance can have several answers, on the flanks and off them. Newton's method starts as
+ * if no friction acted. Along a motion it can lose the answer that it has followed, and end at another one off the flanks.
+ * The reactions of slightly elastic flanks stay with their answer there. Such a motion goes on with LoadedPin.searches. */
 #ifndef DUALCAM_LOADED_CONTACTS_H
 #define DUALCAM_LOADED_CONTACTS_H
 
@@ -24,6 +28,7 @@
 typedef struct {
     const Params *params;
     int direction, flank[2];
+    bool searches;   /* where Newton's method ends off the flanks, the answer of a motion is searched on the flanks */
     double slope[2]; /* m/rad, a_i */
     double speed[2]; /* m/s, v_i */
     Work *work;      /* counts iterations, or NULL */

@@ -24,6 +24,7 @@ static LoadedPin pin_of(const SlipMode *slip, double omega, const SlipCoefficien
         .params = slip->params,
         .direction = slip->direction,
         .flank = {slip->flank[0], slip->flank[1]},
+        .searches = slip->searches,
         .slope = {k->slope[0].value, k->slope[1].value},
         .speed = {rate * sliding_of(slip, k, 0).value, rate * sliding_of(slip, k, 1).value},
         .work = slip->work,

@@ -45,6 +45,7 @@ typedef struct {
     double signed_friction[2];     /* f_i = sigma e_i mu_i, where friction varies that at rest */
     bool friction_varies;          /* mu_i depends on the sliding speed or on the load: see slip_set_friction() */
     bool friction_is_loaded;       /* mu_i depends on the load: loaded_slip.h sets it, not slip_set_friction() */
+    bool searches;                 /* see LoadedPin */
     const FrictionConstants *law;  /* of both contacts; NULL where no step is made */
     double c, q;                   /* N.s/m, N.s^2/m^2: of the damper in this direction */
     bool follower_has_inertia;     /* the follower has mass or inertia */

@@ -32,6 +32,7 @@ SlipMode slip_mode_from_here(const Mechanism *m, int index) {
     slip_flanks(index, flank);
     SlipMode slip = slip_mode_of(&m->params, &m->model.transmission, m->model.law, &m->inputs, m->state.theta.hi,
                                  slip_direction(index), flank);
+    slip.searches = index >= SLIP_SEARCHES;
     slip.work = m->work;
     return slip;
 }

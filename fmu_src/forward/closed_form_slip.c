@@ -54,7 +54,7 @@ static inline bool propose(const Mechanism *m, const LinearSegment *s, const Seg
 
 bool closed_form_slip_quiet(Mechanism *m, double h, Segment *segment) {
     if (!is_slip(m->state.mode)) return false;
-    const int index = present_slip_index(m);
+    const int index = present_pair_index(m);
     const LinearSlipMode *linear = kept_linear_slip(m, index);
     if (linear->regime != REGIME_INERTIAL || !(linear->direction * m->state.omega.hi > 0.0)) return false;
     const LinearSegment s = segment_from_here(m, linear);
@@ -66,7 +66,7 @@ bool closed_form_slip_quiet(Mechanism *m, double h, Segment *segment) {
 }
 
 bool closed_form_slip_propose(Mechanism *m, double left, Segment *segment) {
-    const int index = present_slip_index(m);
+    const int index = present_pair_index(m);
     const LinearSlipMode *linear = kept_linear_slip(m, index);
     const LinearSegment s = segment_from_here(m, linear);
     const LinearEvent last = linear_event_horizon(&s, min_of(left, linear->oscillator.horizon));

@@ -138,9 +138,9 @@ static bool comes_first(const Mechanism *m, const Candidate *candidate, int k) {
  * pair has a speed of its own; where friction varies with the speed the slowest comes first: a mechanism with hardly any
  * inertia, accelerated from rest by the torque that is left, reaches it first (A. N. Tikhonov's theorem on systems with a
  * small parameter). Where none agrees, from a motion one that is just before a change of flanks or without loads, or one
- * that leaves the range of numbers: the step is then refused in this mode. *built receives the coefficients of the last
- * candidate that had none in the model; mostly this is the slip mode that is found. */
-static int find_slip_mode(const Mechanism *m, int direction, SearchStart from, LinearSlipMode *built) {
+ * that leaves the range of numbers: the step is then refused in this mode. `searches`: 0 or SLIP_SEARCHES. *built receives the
+ * coefficients of the last candidate that had none in the model; mostly this is the slip mode that is found. */
+static int find_slip_mode(const Mechanism *m, int direction, SearchStart from, int searches, LinearSlipMode *built) {
     const int sign = load_sign(m, direction);
     int first = -1, before = -1, overflowing = -1, slowest = -1;
     double least = INFINITY;
@@ -148,7 +148,7 @@ static int find_slip_mode(const Mechanism *m, int direction, SearchStart from, L
     for (int k = 0; k < FLANK_PAIR_COUNT; k++) {
         int flank[2];
         flank_pair(k, sign, flank);
-        const int index = slip_index(direction, flank);
+        const int index = slip_index(direction, flank) + searches;
         const Candidate candidate = candidate_building(m, index, built);
         if (from == FROM_MOTION && before < 0 && vanish_together(index, &candidate)) before = index;
         const bool unloaded = from != FROM_REST && is_unloaded(index, &candidate);
@@ -237,7 +237,7 @@ static Decision decide_at_rest(const Mechanism *m, LinearSlipMode *built) {
     /* The loads of a slip that begins later do not tell the flanks now. */
     if (!stick_excess_grows(m, direction)) return (Decision){.mode = MODE_STICK, .slip_index = -1};
     const int kept = kept_flanks(m, direction, built);
-    int index = kept >= 0 ? kept : find_slip_mode(m, direction, FROM_REST, built);
+    int index = kept >= 0 ? kept : find_slip_mode(m, direction, FROM_REST, 0, built);
     if (index < 0) index = unloaded_slip(m, direction);
     /* No slip mode agrees, and the torque is on the edge: rounding decides whether it is inside or beyond. */
     if (index < 0 && stick_is_on_edge(m, direction)) return (Decision){.mode = MODE_STICK, .slip_index = -1};
@@ -249,14 +249,25 @@ static bool is_without_loads(const Mechanism *m, const Candidate *candidate) {
     return has_friction(&m->params) && candidate->contact[0].value == 0.0 && candidate->contact[1].value == 0.0;
 }
 
+/* Rigid contacts stop a motion only where no pair of flanks has an answer. Where friction depends on the load and no pair agrees
+ * at the answer of Newton's method, the answers are searched: of the present pair first. */
+COMPACT static int find_searched(const Mechanism *m, int direction, SearchStart from, LinearSlipMode *built) {
+    const int present = slip_index(direction, m->state.flank) + SLIP_SEARCHES;
+    if (from == FROM_FLANKS) {
+        const Candidate candidate = candidate_building(m, present, built);
+        if (agrees(m, present, &candidate, false)) return present;
+    }
+    return find_slip_mode(m, direction, from, SLIP_SEARCHES, built);
+}
+
 /* While the mechanism slips, the flanks stay the same as long as they agree with their reactions. Where several pairs
  * agree, the one that continues the motion comes first. */
 COMPACT static Decision decide_moving(const Mechanism *m, LinearSlipMode *built) {
     const int direction = sign_of(m->state.omega.hi);
     const Mode mode = slip_mode(direction);
-    const int present = slip_index(direction, m->state.flank);
-    const Candidate candidate = candidate_building(m, present, built);
     const bool stays = m->state.mode == mode;
+    const int present = stays ? present_slip_index(m) : slip_index(direction, m->state.flank);
+    const Candidate candidate = candidate_building(m, present, built);
     const bool agreed = agrees(m, present, &candidate, false);
     if (stays && ((agreed && !is_without_loads(m, &candidate)) || is_before_change(present, &candidate)))
         return (Decision){.mode = mode, .slip_index = present};
@@ -265,8 +276,10 @@ COMPACT static Decision decide_moving(const Mechanism *m, LinearSlipMode *built)
         const Candidate next = candidate_building(m, across, built);
         if (next.stable && agrees(m, across, &next, false)) return (Decision){.mode = mode, .slip_index = across};
     }
-    int index = find_slip_mode(m, direction, stays ? FROM_FLANKS : FROM_MOTION, built);
+    const SearchStart from = stays ? FROM_FLANKS : FROM_MOTION;
+    int index = find_slip_mode(m, direction, from, 0, built);
     if (index < 0 && stays && vanish_together(present, &candidate)) index = present;
+    if (index < 0 && m->model.friction_is_loaded) index = find_searched(m, direction, from, built);
     return (Decision){.mode = index < 0 ? MODE_WEDGED : mode, .slip_index = index};
 }
 
@@ -299,25 +312,38 @@ void build_linear_slip(Mechanism *m, int index) {
 int slip_mode_of_moving(Mechanism *m, int direction) {
     LinearSlipMode built;
     built.direction = 0;
-    const int index = find_slip_mode(m, direction, FROM_MOTION, &built);
+    const int index = find_slip_mode(m, direction, FROM_MOTION, 0, &built);
     keep_linear_slip(m, &built);
     return index;
 }
 
-bool leave_lost_flanks(Mechanism *m) {
-    const int present = present_slip_index(m), direction = slip_direction(present), sign = load_sign(m, direction);
+/* Takes a slip mode that agrees and has a motion. */
+static bool take_slip(Mechanism *m, int index) {
     const bool at_rest = !has_inertia(&m->params) || m->state.omega.hi == 0.0;
+    if (is_quotient_of_zeros(m, index)) return false;
+    const Candidate candidate = candidate_of(m, index);
+    if (!candidate.stable || !agrees(m, index, &candidate, at_rest)) return false;
+    take_slip_flanks(&m->state, index);
+    return true;
+}
+
+/* Takes the first pair of flanks other than the present one. */
+static bool take_other_flanks(Mechanism *m, int searches) {
+    const int present = present_pair_index(m), direction = slip_direction(present), sign = load_sign(m, direction);
     for (int k = 0; k < FLANK_PAIR_COUNT; k++) {
         int flank[2];
         flank_pair(k, sign, flank);
         const int index = slip_index(direction, flank);
-        if (index == present || is_quotient_of_zeros(m, index)) continue;
-        const Candidate candidate = candidate_of(m, index);
-        if (!candidate.stable || !agrees(m, index, &candidate, at_rest)) continue;
-        slip_flanks(index, m->state.flank);
-        return true;
+        if (index != present && take_slip(m, index + searches)) return true;
     }
     return false;
+}
+
+bool leave_lost_flanks(Mechanism *m) {
+    if (take_other_flanks(m, 0)) return true;
+    if (!m->model.friction_is_loaded) return false;
+    if (!m->state.searches && take_slip(m, present_pair_index(m) + SLIP_SEARCHES)) return true;
+    return take_other_flanks(m, SLIP_SEARCHES);
 }
 
 void let_go(Mechanism *m, int direction) {
@@ -326,7 +352,7 @@ void let_go(Mechanism *m, int direction) {
         if (flank[0] == m->state.flank[0] && flank[1] == m->state.flank[1]) continue; /* the pair that has let go */
         const Candidate candidate = candidate_of(m, index);
         if (!agrees(m, index, &candidate, false)) continue;
-        slip_flanks(index, m->state.flank);
+        take_slip_flanks(&m->state, index);
         return;
     }
 }
@@ -338,7 +364,7 @@ static void enter(Mechanism *m, Decision decision) {
         state->mode = decision.mode;
         m->cache.rest.valid = false;
     }
-    if (is_slip(decision.mode)) slip_flanks(decision.slip_index, state->flank);
+    if (is_slip(decision.mode)) take_slip_flanks(state, decision.slip_index);
     else if (!has_inertia(&m->params)) state->omega = sum_of(0.0); /* with inertia a jam takes the speed */
 }
 

@@ -38,6 +38,7 @@ void hit_stop(Mechanism *m, int direction) {
 void handle_event(Mechanism *m, int direction, EventKind end) {
     if (end == EVENT_REST) stand_still(m);
     if (end == EVENT_STOP) hit_stop(m, direction);
+    if (end == EVENT_LOST) m->state.searches = 1;
     if (end == EVENT_LET_GO) let_go(m, direction);
 }
 

@@ -158,6 +158,7 @@ COLD void mechanism_rewind(Mechanism *m) {
     s->mode = step->mode;
     s->energy_gained = step->energy_gained;
     memcpy(s->flank, step->flank, sizeof s->flank);
+    s->searches = step->searches;
     m->inputs = step->inputs;
     if (!step->retuned) {
         update_configuration(m);

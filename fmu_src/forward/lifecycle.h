@@ -44,6 +44,7 @@ static inline void begin_step(const Mechanism *m, double h, Step *step) {
     step->mode = s->mode;
     step->flank[0] = s->flank[0];
     step->flank[1] = s->flank[1];
+    step->searches = s->searches;
     step->retuned = 0;
 }
 

@@ -51,7 +51,7 @@ typedef struct {
     double energy_gained; /* J, see State */
     double h;             /* s; 0: no step has been made */
     Mode mode;
-    int flank[2];
+    int flank[2], searches;
     int retuned; /* 1: parameters have been tuned since the step, see State.tunables; else 0 */
 } Step;
 
@@ -62,6 +62,7 @@ typedef struct {
     int64_t events;       /* mode changes so far */
     Mode mode;
     int flank[2]; /* e_i while slipping: +1 supporting flank of cam i's groove, -1 the other flank */
+    int searches; /* 1: the slip mode has SlipMode.searches; else 0 */
     Ledger ledger;
     Step step;
     Tunables tunables; /* those of the latest step if step.retuned, else 0 */
@@ -163,7 +164,7 @@ static inline int direction_of(Mode mode) {
 
 /* The slip mode of an index, see slip_index(). */
 static inline int slip_direction(int index) {
-    return index < 4 ? 1 : -1;
+    return index % SLIP_SEARCHES < FLANK_PAIR_COUNT ? 1 : -1;
 }
 
 static inline void slip_flanks(int index, int flank[2]) {
@@ -171,9 +172,20 @@ static inline void slip_flanks(int index, int flank[2]) {
     flank[1] = index & 1 ? -1 : 1;
 }
 
-/* Index of the present slip mode; m->state.mode is a mode of slip. */
-static inline int present_slip_index(const Mechanism *m) {
+/* Index of the present slip mode without SLIP_SEARCHES, as in closed form; m->state.mode is a mode of slip. */
+static inline int present_pair_index(const Mechanism *m) {
     return slip_index(direction_of(m->state.mode), m->state.flank);
+}
+
+/* Index of the present slip mode. */
+static inline int present_slip_index(const Mechanism *m) {
+    return present_pair_index(m) + (m->state.searches ? SLIP_SEARCHES : 0);
+}
+
+/* Takes the flanks of a slip mode. */
+static inline void take_slip_flanks(State *state, int index) {
+    slip_flanks(index, state->flank);
+    state->searches = index >= SLIP_SEARCHES;
 }
 
 #endif

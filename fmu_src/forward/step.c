@@ -120,7 +120,7 @@ static bool propose_segment(Mechanism *m, double left, EventLocation *location, 
     }
     if (!is_closed_form(m))
         return jump_is_due(m) ? jump_propose(m, left, segment) : collocation_slip_propose(m, left, location, segment);
-    const LinearSlipMode *linear = kept_linear_slip(m, present_slip_index(m));
+    const LinearSlipMode *linear = kept_linear_slip(m, present_pair_index(m));
     const bool may_jump = linear->regime == REGIME_RATE_INDEPENDENT;
     if (may_jump && jump_of_helices(m, linear, segment) == JUMP_PROPOSED) return true;
     return closed_form_slip_propose(m, left, segment);

@@ -52,6 +52,10 @@ static const double LOADED_SEARCH_RANGE = 1e6, LOADED_SEARCH_FACTOR = 1.6;
 enum { LOADED_EDGE_SAMPLES = 16, LOADED_REST_SAMPLES = 32, LOADED_GOLDEN_STEPS = 20 };
 static const double LOADED_REST_CHANGE = 1e-6;
 
+/* Shares: of the step by which a step ends past or before the place where Newton's method loses the reactions; of the terms
+ * of a reaction, above which the reaction is not zero there. */
+static const double LOCATION_LOSS = 64.0 * DBL_EPSILON, LOCATION_LOST_SHARE = 1e-6;
+
 /* Factor on the error estimate of a Radau step. */
 static const double RADAU_LOADED_STRICT = 10.0;
 

@@ -136,6 +136,7 @@ static bool carry_along_slip(const Mechanism *m, const Segment *segment, const I
     const RadauStep *step = &segment->location->step;
     SlipMode at_start = slip_mode_of(&m->params, &m->model.transmission, m->model.law, inputs, step->start.theta,
                                      slip.direction, slip.flank);
+    at_start.searches = slip.searches;
     at_start.work = m->work;
     return radau_step_vary(&at_start, step, &v->x);
 }
@@ -226,7 +227,7 @@ static void pass_without_inertia(const Mechanism *m, EventKind event, double ome
 
 /* `omega`: the speed at the event, before the event changed it. */
 static void pass_event(const Mechanism *m, EventKind event, double omega, Carried *v) {
-    if (event == EVENT_NONE) return;
+    if (event == EVENT_NONE || event == EVENT_LOST) return; /* the motion goes on */
     if (has_inertia(&m->params)) pass_inertial(m, event, omega, v);
     else pass_without_inertia(m, event, omega, v);
 }

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 import random
+import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
@@ -13,7 +14,7 @@ from typing import Any
 
 from driver import OK, Driver
 from random_scenes import LEAST, curve, inertia_felt, slopes, unit_of_torque
-from reference import Groove, groove_of
+from reference import DOUBLE, Groove, Mechanism, Slip, groove_of
 
 TOLERANCE = 1e-9  # the FMU's, where none is given
 # Cuts may change ten times the tolerance, and ten times what a nudge of every number by a hundred tolerances
@@ -26,6 +27,7 @@ NUDGES = 8
 # A torque within this share of the terms of its balance is on the edge of the stick band: a tie is rest
 # (tests/test_cuts_of_general_grooves.py). What such a torque does to the speed is rounding.
 TIE = 2e-12
+ANGLE = 4 * sys.float_info.epsilon  # share of the farther stop: a rounding of theta
 
 Curve = tuple[float, Sequence[float], Sequence[float]]  # as random_scenes.CURVES draws them
 Part = tuple[float, float]
@@ -80,6 +82,17 @@ def rounding_of_speed(
     k = [parameters[f"spring.{name}"] for name in ("preload", "stiffness", "stiffness2", "stiffness3")]
     force = math.fsum(abs(c * z**i) for i, c in enumerate(k)) + math.fsum(map(abs, forces))
     return TIE * (torque_unit * math.fsum(map(abs, taus)) + a1 * a2 / (a1 + a2) * force) * h / felt
+
+
+def rounding_by_angle(fmu: Driver, parameters: Mapping[str, Any]) -> float:
+    """rad/s. Without inertia the angle gives the speed, and the angle has a rounding of the farther stop."""
+    mechanism = Mechanism(parameters, DOUBLE)
+    if mechanism.inertial or not fmu.get("omega"):
+        return 0.0
+    flanks = tuple(1 if fmu.get(f"cam{i}.reaction") > 0.0 else -1 for i in (1, 2))
+    slip = Slip(1 if fmu.get("omega") > 0.0 else -1, flanks)
+    rate = mechanism.rate(mechanism.groove.at(fmu.get("theta")), slip, fmu.get("omega"))
+    return ANGLE * max(map(abs, (parameters["stop.lower"], parameters["stop.upper"]))) * rate
 
 
 def nudged(scene: Scene, chance: random.Random) -> Scene:
@@ -144,6 +157,10 @@ def judge(make: Callable[[], Driver], scene: Scene) -> Verdict:
             allowed = 10 * TOLERANCE * size + rounding[name]
             if abs(second - first) <= allowed:
                 continue
+            if name == "omega":
+                allowed += rounding_by_angle(whole, scene.parameters)
+                if abs(second - first) <= allowed:
+                    continue
             moved = moved_by_nudges(make, scene, k + 1, unit, name, first)
             if moved > STEADY * size or abs(second - first) <= allowed + 10 * moved:
                 return Verdict(Outcome.SENSITIVE, k)
