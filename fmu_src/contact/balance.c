@@ -61,6 +61,7 @@ static inline RightHandSide rhs_of_inertial(const SlipMode *slip, const SlipCoef
         .possible = inertia.value * f->delta.value > 0.0,
         .stable = true,
         .settles = inertia.value > 0.0,
+        .single = true,
     };
 }
 
@@ -318,6 +319,7 @@ COMPACT static RightHandSide rhs_of_loaded(const SlipMode *slip, SlipCoefficient
         .possible = k->loaded.possible && (by.inertia > 0.0 || by.inertia * f->delta > 0.0),
         .stable = by.inertia * f->delta > 0.0,
         .settles = by.inertia > 0.0,
+        .single = k->loaded.single,
     };
 }
 

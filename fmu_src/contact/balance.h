@@ -29,6 +29,7 @@ typedef struct {
                           friction depends on the load LoadedMotionResponse.inertia > 0 suffices */
     bool stable;   /* more torque gives more motion */
     bool settles;  /* inertial only: between slightly elastic flanks the reactions settle */
+    bool single;   /* inertial only: the reactions are the only ones of this pair of flanks, see loaded_contacts.h */
 } RightHandSide;
 
 /* The balance and all that enters it. */

@@ -100,7 +100,8 @@ COMPACT static void iterate(const LoadedPin *pin, const LoadTerms *loads, const 
             for (int i = 0; i < 2; i++)
                 if (fabs(c->x[i]) * pin->params->cam[i].radius <= LOADED_ZERO * loads->size) c->x[i] = 0.0;
             linearise(pin, reaction, c, rest);
-            c->possible = isfinite(c->x[0] + c->x[1] + c->alpha) && is_single(pin, c);
+            c->single = is_single(pin, c);
+            c->possible = isfinite(c->x[0] + c->x[1] + c->alpha) && (by_alpha != NULL || c->single);
             return;
         }
         const bool slow = change > (1.0 - LOADED_SHARE_GAINED * share) * before;
@@ -311,9 +312,9 @@ COMPACT static void solve(const LoadedPin *pin, const LoadTerms *loads, const Lo
     const double size = size_of(pin, c);
     iterate(pin, loads, by_alpha, c);
     const bool off = c->possible && !is_on_flanks(pin, c);
-    const bool stays = by_alpha == NULL || (inertia_of(by_alpha, c) > 0.0 && !(off && pin->searches));
-    if (c->possible && stays) return;
     Answer best = {rank_of(pin, by_alpha, c), *c};
+    if (c->possible && by_alpha == NULL) return;
+    if (off ? inertia_of(by_alpha, c) > 0.0 && c->single && !pin->searches : best.rank == ANSWER_SETTLES) return;
     if (by_alpha != NULL && by_alpha->torque == 0.0) search_without_shaft(pin, loads, by_alpha, &best);
     else search(pin, loads, by_alpha, size, LOADED_SEARCH_SAMPLES, &best);
     if (!off || best.rank == ANSWER_SETTLES) *c = best.contacts;

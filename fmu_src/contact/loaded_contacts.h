@@ -41,7 +41,8 @@ typedef struct {
 } LoadTerms;
 
 typedef struct {
-    bool possible;          /* the balance has one answer */
+    bool possible;          /* there is an answer; without alpha: and the balance has one answer */
+    bool single;            /* the balance has one answer */
     double alpha;           /* rad/s^2, if it was to be found */
     double x[2];            /* N/m */
     LoadedFriction mu[2];   /* mu_i and its derivatives */

@@ -10,6 +10,7 @@ typedef struct {
     bool possible;
     /* Without inertia: more torque means more speed. With inertia: between slightly elastic flanks the reactions settle. */
     bool stable;
+    bool single;  /* with inertia: see RightHandSide; without: true */
     bool recedes; /* with inertia: more torque gives less acceleration */
     Regime regime;
     double net, net_size;   /* N.m: torque beyond the torque that holds the load, and the size of its terms */

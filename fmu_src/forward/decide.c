@@ -126,12 +126,13 @@ typedef enum {
     FROM_FLANKS, /* the mechanism moves on flanks that do not agree any more */
 } SearchStart;
 
-/* Does the pair k of flanks, which agrees, come before those that follow? A stable pair does (candidate.h). So does, with
+/* Does the pair k of flanks, which agrees, come before those that follow? A stable pair whose reactions are its only ones does.
+ * So does, with
  * inertia and under Coulomb friction, the pair of the flanks that support the axial load: with the reference values of the
  * kinetostatic model (docs/mechanism.md, section 6). */
 static bool comes_first(const Mechanism *m, const Candidate *candidate, int k) {
     const bool supports = k == 0 && candidate->regime == REGIME_INERTIAL && !m->model.friction_is_loaded;
-    return supports || candidate->stable;
+    return supports || (candidate->stable && candidate->single);
 }
 
 /* The index of the slip mode whose flanks agree, or -1. Of several the first one that comes_first(). Without inertia each
@@ -249,6 +250,37 @@ static bool is_without_loads(const Mechanism *m, const Candidate *candidate) {
     return has_friction(&m->params) && candidate->contact[0].value == 0.0 && candidate->contact[1].value == 0.0;
 }
 
+/* Have torque and axial force gone on from those at the end of the latest step? */
+COMPACT static bool inputs_go_on(const Mechanism *m) {
+    const Step *step = &m->state.step;
+    if (m->moves_on) return true;
+    if (!(step->h > 0.0) || step->retuned) return false;
+    const InputValues before = input_values_at(&step->inputs, step->h), now = input_values_at(&m->inputs, 0.0);
+    return fabs(now.tau - before.tau) <= INPUT_JUMP * (fabs(now.tau) + fabs(before.tau)) &&
+           fabs(now.F_ext - before.F_ext) <= INPUT_JUMP * stick_axial_size(m);
+}
+
+/* Does a reaction press off its flank by far more than rounding, or is there none? No motion takes it there: Newton's method
+ * has lost the reactions (loaded_contacts.h). */
+static bool has_lost_reactions(int index, const Candidate *candidate) {
+    int flank[2];
+    slip_flanks(index, flank);
+    bool lost = !candidate->possible;
+    for (int i = 0; i < 2; i++)
+        lost |= flank[i] * candidate->contact[i].value < -LOCATION_LOST_SHARE * candidate->size[i].value;
+    return lost;
+}
+
+/* The present slip mode where a motion goes on, under friction that depends on the load, at the reactions that Newton's method
+ * has lost; else -1. After a jump of the inputs the reactions may be others. */
+COMPACT static int goes_on_at_lost_reactions(const Mechanism *m, int present, const Candidate *candidate,
+                                             LinearSlipMode *built) {
+    if (!m->model.friction_is_loaded || present >= SLIP_SEARCHES) return -1;
+    if (!has_lost_reactions(present, candidate) || !inputs_go_on(m)) return -1;
+    const Candidate searched = candidate_building(m, present + SLIP_SEARCHES, built);
+    return agrees(m, present, &searched, false) ? present + SLIP_SEARCHES : -1;
+}
+
 /* Rigid contacts stop a motion only where no pair of flanks has an answer. Where friction depends on the load and no pair agrees
  * at the answer of Newton's method, the answers are searched: of the present pair first. */
 COMPACT static int find_searched(const Mechanism *m, int direction, SearchStart from, LinearSlipMode *built) {
@@ -266,11 +298,14 @@ COMPACT static Decision decide_moving(const Mechanism *m, LinearSlipMode *built)
     const int direction = sign_of(m->state.omega.hi);
     const Mode mode = slip_mode(direction);
     const bool stays = m->state.mode == mode;
-    const int present = stays ? present_slip_index(m) : slip_index(direction, m->state.flank);
+    const bool searches = stays && m->state.searches && inputs_go_on(m);
+    const int present = slip_index(direction, m->state.flank) + (searches ? SLIP_SEARCHES : 0);
     const Candidate candidate = candidate_building(m, present, built);
     const bool agreed = agrees(m, present, &candidate, false);
     if (stays && ((agreed && !is_without_loads(m, &candidate)) || is_before_change(present, &candidate)))
         return (Decision){.mode = mode, .slip_index = present};
+    const int lost = stays && !agreed ? goes_on_at_lost_reactions(m, present, &candidate, built) : -1;
+    if (lost >= 0) return (Decision){.mode = mode, .slip_index = lost};
     const int across = stays && !agreed ? slip_across_zero(m, present, &candidate) : -1;
     if (across >= 0) {
         const Candidate next = candidate_building(m, across, built);

@@ -147,6 +147,7 @@ typedef struct {
     Configuration configuration; /* belongs to state.theta */
     Cache cache;
     Work *work;            /* of the step that is being made; else NULL */
+    bool moves_on;         /* in a step after its first segment: no input has jumped */
     int load_ahead;        /* in a step, where a segment has ended as both reactions pass zero: sign of the axial load
                               that follows; else 0 */
     const char *resources; /* directory from which a table's relative path starts, or NULL; not owned */

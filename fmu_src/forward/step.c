@@ -157,6 +157,7 @@ static bool carry_out(Mechanism *m, StepRun *run, const Segment *segment) {
     handle_event(m, direction_of(past.mode), segment->end);
     if (segment->finds_speed) jump_find_speed(m);
     m->load_ahead = segment->load_ahead;
+    m->moves_on = true;
     run->left = max_of(run->left - segment->duration, 0.0); /* a rounding can locate an event past the end */
     run->rests_on = segment->kind == SEGMENT_REST && !segment->varies;
     run->goes_on = (segment->kind == SEGMENT_RADAU || segment->kind == SEGMENT_LOBATTO) && segment->end == EVENT_NONE;
@@ -216,6 +217,7 @@ static Outcome go_through(Mechanism *m, StepRun *run) {
     const Outcome outcome = make_segments(m, run);
     m->work = NULL;
     m->load_ahead = 0;
+    m->moves_on = false;
     return work_is_spent(&run->work) ? OUTCOME_TOO_MUCH_WORK : outcome;
 }
 

@@ -56,6 +56,9 @@ static const double LOADED_REST_CHANGE = 1e-6;
  * of a reaction, above which the reaction is not zero there. */
 static const double LOCATION_LOSS = 64.0 * DBL_EPSILON, LOCATION_LOST_SHARE = 1e-6;
 
+/* Share of the loads up to which a change of an input from step to step is none. */
+static const double INPUT_JUMP = 0.1;
+
 /* Factor on the error estimate of a Radau step. */
 static const double RADAU_LOADED_STRICT = 10.0;
 
