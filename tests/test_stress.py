@@ -87,6 +87,7 @@ RARE = {
     "a pair on which more torque gives less acceleration": (random_load, 332),
     "that pair accelerates the motion backwards": (random_load, 309),
     "Newton's method loses the reactions": (random_load, 318),
+    "a quiet step passes the place where Newton's method loses the reactions": (random_load, 101),
     "the answer of Newton's method does not settle": (random_load, 1002),
     "the edge that a motion meets is infinite": (random_law, 130),
     "the step past a zero is not solved": (random_law, 143),

@@ -9,7 +9,8 @@
  *
  * One answer. The torque of a contact, r_i n_i x_i, grows with R_i where a_i + f'_i r_i > 0; for e_i sigma = -1 this is
  * s_i > mu_i + R_i dmu_i/dR_i, which is (1 + nu) mu_i - nu mu_v v_i. Where it does not grow and yet n_i > 0, two
- * reactions give the same torque: the contact counts as locked, and the pair of flanks does not move. With a coefficient
+ * reactions give the same torque: the contact counts as locked, and without alpha the pair of flanks does not move. In a
+ * motion with inertia a locked contact moves on at reactions that settle. With a coefficient
  * that no load changes, a contact with n_i = 0 passes no torque at any load, and the balance has one answer. Where the
  * determinant with f'_i has lost the sign of Delta, the load does not grow with the torque: the pair jams.
  *
