@@ -11,7 +11,7 @@ import test_output_derivatives as output_derivatives
 import test_step_sensitivity as step_sensitivity
 from driver import Driver, models
 from friction_scenes import LOADED_FILE, load
-from reference import Refused
+from reference import Refused, write_table
 from reference.friction import FrictionLaw, LoadedContact, reactions_under, torque_of_symmetric_edge
 from reference.parameters import DEFAULTS
 from scipy.optimize import brentq
@@ -338,6 +338,21 @@ def test_cvode_sees_no_chatter(calls):
 
 
 calls = exchange.calls
+
+
+def test_motion_off_a_dwell_closes_the_ledger(make_model, tmp_path):
+    """Without inertia. Near the dwell friction resists the motion, and the damper hardly does."""
+    table = tmp_path / "groove.csv"
+    write_table(table, [-1.01, -0.64, -0.27, 0.1], [0.0, 0.006, 0.012, 0.012])
+    p = {"cam1.profile": 3, "cam1.table": str(table), "cam1.radius": 0.01, "cam1.friction": 0.1}
+    p |= {"cam1.friction_viscous": 1.0, "cam1.friction_load_exponent": 0.5, "cam1.friction_load": 1.0}
+    p |= {"cam2.radius": 0.01, "cam2.lead_angle": 0.25, "cam2.friction": 0.0, "inertia.shaft": 0.0}
+    p |= {"spring.preload": -1.0, "spring.stiffness": 100.0, "damper.c_load": 1.0, "damper.c_release": 1.0}
+    p |= {"stop.lower": -1.0, "stop.upper": 0.1, "tau": -0.00132, "F_ext": -1.0}
+    fmu = make_model(FORWARD).start(p)
+    fmu.step(1.0)
+    assert fmu.get("theta") < -0.272
+    assert abs(fmu.get("energy.residual")) < 1e-9 * fmu.get("energy.work_in")
 
 
 def test_imposed_motion_closes_the_ledger(make_model):

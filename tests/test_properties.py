@@ -297,16 +297,17 @@ def rests(fmu: Driver, mechanism, parameters) -> bool:
             return loaded_band(mechanism, theta, force, steeper)
         return band(r, [slope + steeper for slope in a], mu, force)
 
-    # F_0 has a rounding of its terms: contacts that lock under one sign of F_0 may not under the other one
-    forces = [force] if abs(force) > 4 * EPS * size else [force, 4 * EPS * size, -4 * EPS * size]
+    # z is known to 1e-13 of the whole way, with a tie of twice that: matters where the force is small
+    doubt = 3e-13 * mechanism.reach
+    noise = sum(abs(c) * ((abs(z) + doubt) ** i - abs(z) ** i) for i, c in enumerate(k))
+    # contacts that lock under one sign of F_0 may not under the other one
+    least = 4 * EPS * size + noise
+    forces = [force] if abs(force) > least else [force, least, -least]
     releases, loadings = zip(*map(edges, forces), strict=True)
     release, load = max(releases), min(loadings)
     ratio = max((abs(edge) for edge in band(r, a, mu, size) if math.isfinite(edge)), default=0.0)
     rounding = TOLERANCE * (abs(tau) + ratio + a[0] * a[1] / (a[0] + a[1]) * size) + NOTHING
     rounding += 1e-15 * max(r) * size  # a groove that is level there is so to its digits
-    # and z is known to 1e-13 of the whole way, with a tie of twice that: matters where the force is small
-    doubt = 3e-13 * mechanism.reach
-    noise = sum(abs(c) * ((abs(z) + doubt) ** i - abs(z) ** i) for i, c in enumerate(k))
     reach = max((abs(edge) for edge in band(r, a, mu, 1.0) if math.isfinite(edge)), default=0.0)
     rounding += (reach + max(r)) * noise
     if mode == STICK:

@@ -253,17 +253,19 @@ static double speed_under_friction(const SlipMode *slip, SlipCoefficients *k, do
     return NAN;
 }
 
-/* With quadratic damping alone by_omega vanishes at rest, where the size is that of the damper's law. */
+/* With quadratic damping alone by_omega vanishes at rest, where the size is that of the damper's law. Near a dwell the damper
+ * hardly acts, and the size is that of the friction. */
 COMPACT static RightHandSide finish_loaded_viscous(const SlipMode *slip, const SlipCoefficients *k, double z,
                                                    const InputValues *in, double by_theta, double by_omega,
                                                    double omega) {
     const MotionTerms terms = terms_of(slip, k, z, in, omega, 0.0);
     const double delta = k->factors.delta.value, inverse = by_omega != 0.0 ? 1.0 / by_omega : 0.0;
     const RightHandSide frozen = rhs_of_coefficients(slip, k, z, in, 0.0);
+    const double load = fabs(spring_force(&slip->params->spring, z)) + fabs(in->F_ext);
+    const double size = fabs(inverse) * (fabs(delta * in->tau) + fabs(k->factors.p.value) * load);
     return (RightHandSide){
         .value = omega,
-        .size = frozen.possible ? frozen.size
-                                : fabs(inverse) * (fabs(delta * in->tau) + fabs(k->factors.p.value * terms.load)),
+        .size = frozen.possible && (by_omega == 0.0 || frozen.size < size) ? frozen.size : size,
         .by_theta = -by_theta * inverse,
         .by_time = -(delta * in->tau_rate - loaded_slip_lever(slip, k, &terms) * in->F_ext_rate) * inverse,
         .possible = k->loaded.possible && (by_omega != 0.0 || slip->q > 0.0) && delta != 0.0,

@@ -43,8 +43,8 @@ static double speed_at_end(const Mechanism *m, const SlipMode *slip, double thet
 }
 
 /* At a change of flanks, of a follower without inertia of rotation: the sign of the axial load A just after. There
- * x_i = (dx_i/dA) A, so both reactions pass zero, for every pair of flanks. Zero where one of them does not. A fast damping hides the rates of x_i in
- * rounding, but a contact that has left its flank tells the sign of A. */
+ * x_i = (dx_i/dA) A, so both reactions pass zero, for every pair of flanks. Zero where one of them does not. A fast damping
+ * hides the rates of x_i in rounding, but a contact that has left its flank tells the sign of A. */
 COMPACT static int load_after(const SlipMode *slip, const Balance *end) {
     if (slip->regime != REGIME_INERTIAL || slip->params->inertia.follower != 0.0) return 0;
     if (balance_firm_contacts(slip, end) != 0) return 0;

@@ -126,10 +126,9 @@ typedef enum {
     FROM_FLANKS, /* the mechanism moves on flanks that do not agree any more */
 } SearchStart;
 
-/* Does the pair k of flanks, which agrees, come before those that follow? A stable pair whose reactions are its only ones does.
- * So does, with
- * inertia and under Coulomb friction, the pair of the flanks that support the axial load: with the reference values of the
- * kinetostatic model (docs/mechanism.md, section 6). */
+/* Does the pair k of flanks, which agrees, come before those that follow? A stable pair does (candidate.h) whose reactions are
+ * its only ones. So does, with inertia and under Coulomb friction, the pair of the flanks that support the axial load: with
+ * the reference values of the kinetostatic model (docs/mechanism.md, section 6). */
 static bool comes_first(const Mechanism *m, const Candidate *candidate, int k) {
     const bool supports = k == 0 && candidate->regime == REGIME_INERTIAL && !m->model.friction_is_loaded;
     return supports || (candidate->stable && candidate->single);
@@ -281,8 +280,8 @@ COMPACT static int goes_on_at_lost_reactions(const Mechanism *m, int present, co
     return agrees(m, present, &searched, false) ? present + SLIP_SEARCHES : -1;
 }
 
-/* Rigid contacts stop a motion only where no pair of flanks has an answer. Where friction depends on the load and no pair agrees
- * at the answer of Newton's method, the answers are searched: of the present pair first. */
+/* Rigid contacts stop a motion only where no pair of flanks has an answer. Where friction depends on the load and no pair
+ * agrees at the answer of Newton's method, the answers are searched: of the present pair first. */
 COMPACT static int find_searched(const Mechanism *m, int direction, SearchStart from, LinearSlipMode *built) {
     const int present = slip_index(direction, m->state.flank) + SLIP_SEARCHES;
     if (from == FROM_FLANKS) {
