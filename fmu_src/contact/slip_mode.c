@@ -110,6 +110,7 @@ SlipMode slip_mode_of(const Params *p, const Transmission *transmission, const F
     slip.q = direction > 0 ? d->q_load : d->q_release;
     slip.follower_has_inertia = p->inertia.follower_mass + p->inertia.follower > 0.0;
     slip.inputs_are_constant = inputs_constant(inputs);
+    slip.searches = false;
     slip.to_rounding = false;
     slip.regime = regime_of(&slip);
     if (transmission->straight) set_coefficients(&slip, straight_point(slip.piece), &slip.coefficients);

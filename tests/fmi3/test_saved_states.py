@@ -87,7 +87,7 @@ class Step(ctypes.Structure):
         *((name, c_double * 2) for name in ("theta", "omega")),
         ("inputs", c_double * 8),
         *((name, c_double) for name in ("energy_gained", "h")),
-        *((name, c_int) for name in ("mode", "flank1", "flank2", "retuned")),
+        *((name, c_int) for name in ("mode", "flank1", "flank2", "searches", "retuned")),
     )
 
 
@@ -98,7 +98,7 @@ class State(ctypes.Structure):
         *((name, c_double * 2) for name in ("theta", "omega")),
         ("energy_gained", c_double),
         ("events", ctypes.c_int64),
-        *((name, c_int) for name in ("mode", "flank1", "flank2", "none")),
+        *((name, c_int) for name in ("mode", "flank1", "flank2", "searches")),
         ("ledger", c_double * 25),
         ("step", Step),
         ("tunables", c_double * 24),
@@ -141,6 +141,7 @@ BAD_STATE = {
         *((name, value) for name in ("mode", "step.mode") for value in (-1, 7, 99)),
         ("mode", 0),  # that of a step is 0 before the first step
         *((f"{place}flank{i}", value) for place in ("", "step.") for i in (1, 2) for value in (2, -2)),
+        *((f"{place}searches", value) for place in ("", "step.") for value in (2, -1)),
         *(
             (name, value)
             for name in ("theta", "omega", "step.theta", "step.omega")
