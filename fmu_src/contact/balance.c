@@ -253,6 +253,12 @@ static double speed_under_friction(const SlipMode *slip, SlipCoefficients *k, do
     return NAN;
 }
 
+/* N.m m^3: the magnitudes of the torques in the residual, without damping. */
+static double size_of_terms(const SlipMode *slip, const SlipCoefficients *k, double z, const InputValues *in) {
+    const double load = fabs(spring_force(&slip->params->spring, z)) + fabs(in->F_ext);
+    return fabs(k->factors.delta.value * in->tau) + fabs(k->factors.p.value) * load;
+}
+
 /* With quadratic damping alone by_omega vanishes at rest, where the size is that of the damper's law. Near a dwell the damper
  * hardly acts, and the size is that of the friction. */
 COMPACT static RightHandSide finish_loaded_viscous(const SlipMode *slip, const SlipCoefficients *k, double z,
@@ -261,8 +267,7 @@ COMPACT static RightHandSide finish_loaded_viscous(const SlipMode *slip, const S
     const MotionTerms terms = terms_of(slip, k, z, in, omega, 0.0);
     const double delta = k->factors.delta.value, inverse = by_omega != 0.0 ? 1.0 / by_omega : 0.0;
     const RightHandSide frozen = rhs_of_coefficients(slip, k, z, in, 0.0);
-    const double load = fabs(spring_force(&slip->params->spring, z)) + fabs(in->F_ext);
-    const double size = fabs(inverse) * (fabs(delta * in->tau) + fabs(k->factors.p.value) * load);
+    const double size = fabs(inverse) * size_of_terms(slip, k, z, in);
     return (RightHandSide){
         .value = omega,
         .size = frozen.possible && (by_omega == 0.0 || frozen.size < size) ? frozen.size : size,
@@ -282,11 +287,9 @@ static RightHandSide rhs_of_viscous_friction(const SlipMode *slip, SlipCoefficie
     double by_omega;
     const Dual residual = viscous_residual(slip, k, z, in, omega, &by_omega);
     if (slip->friction_is_loaded) return finish_loaded_viscous(slip, k, z, in, residual.slope, by_omega, omega);
-    const double size = fabs(f->delta.value * in->tau) +
-                        fabs(f->p.value) * (fabs(spring_force(&slip->params->spring, z)) + fabs(in->F_ext));
     return (RightHandSide){
         .value = omega,
-        .size = size / fabs(by_omega),
+        .size = size_of_terms(slip, k, z, in) / fabs(by_omega),
         .by_theta = -residual.slope / by_omega,
         .by_time = -(f->delta.value * in->tau_rate - f->p.value * in->F_ext_rate) / by_omega,
         .possible = by_omega != 0.0 && f->delta.value != 0.0,

@@ -311,9 +311,9 @@ COMPACT static void solve(const LoadedPin *pin, const LoadTerms *loads, const Lo
     begin(pin, loads, by_alpha, c);
     const double size = size_of(pin, c);
     iterate(pin, loads, by_alpha, c);
+    if (c->possible && by_alpha == NULL) return;
     const bool off = c->possible && !is_on_flanks(pin, c);
     Answer best = {rank_of(pin, by_alpha, c), *c};
-    if (c->possible && by_alpha == NULL) return;
     if (off ? inertia_of(by_alpha, c) > 0.0 && c->single && !pin->searches : best.rank == ANSWER_SETTLES) return;
     if (by_alpha != NULL && by_alpha->torque == 0.0) search_without_shaft(pin, loads, by_alpha, &best);
     else search(pin, loads, by_alpha, size, LOADED_SEARCH_SAMPLES, &best);

@@ -10,9 +10,9 @@
  * One answer. The torque of a contact, r_i n_i x_i, grows with R_i where a_i + f'_i r_i > 0; for e_i sigma = -1 this is
  * s_i > mu_i + R_i dmu_i/dR_i, which is (1 + nu) mu_i - nu mu_v v_i. Where it does not grow and yet n_i > 0, two
  * reactions give the same torque: the contact counts as locked, and without alpha the pair of flanks does not move. In a
- * motion with inertia a locked contact moves on at reactions that settle. With a coefficient
- * that no load changes, a contact with n_i = 0 passes no torque at any load, and the balance has one answer. Where the
- * determinant with f'_i has lost the sign of Delta, the load does not grow with the torque: the pair jams.
+ * motion with inertia a locked contact moves on at reactions that settle. With a coefficient that no load changes, a
+ * contact with n_i = 0 passes no torque at any load, and the balance has one answer. Where the determinant with f'_i has
+ * lost the sign of Delta, the load does not grow with the torque: the pair jams.
  *
  * Several answers. In a motion the balance can have several answers, on the flanks and off them. Newton's method starts as
  * if no friction acted. Along a motion it can lose the answer that it has followed, and end at another one off the flanks.

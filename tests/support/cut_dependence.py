@@ -155,12 +155,10 @@ def judge(make: Callable[[], Driver], scene: Scene) -> Verdict:
         for name, size in sizes((whole, cut), scene.parameters).items():
             first, second = whole.get(name), cut.get(name)
             allowed = 10 * TOLERANCE * size + rounding[name]
+            if name == "omega" and abs(second - first) > allowed:
+                allowed += rounding_by_angle(whole, scene.parameters)
             if abs(second - first) <= allowed:
                 continue
-            if name == "omega":
-                allowed += rounding_by_angle(whole, scene.parameters)
-                if abs(second - first) <= allowed:
-                    continue
             moved = moved_by_nudges(make, scene, k + 1, unit, name, first)
             if moved > STEADY * size or abs(second - first) <= allowed + 10 * moved:
                 return Verdict(Outcome.SENSITIVE, k)
