@@ -406,6 +406,35 @@ def test_a_pair_that_feels_a_negative_inertia_does_not_move(make):
     assert rests(fmu, Mechanism(NEGATIVE_INERTIA, DOUBLE), NEGATIVE_INERTIA)
 
 
+# At the edge of loading two answers of the balance press the same flanks: x_2 = 0.099 and 0.297 N. The
+# torque of contact 2 grows with the load at the first answer alone.
+TWO_EDGES = {
+    "cam1.radius": 0.001,
+    "cam2.radius": 0.3651741272548377,
+    "cam1.lead_angle": 1.0,
+    "cam2.lead_angle": math.atan(0.05170256286835341 / 0.3651741272548377),
+    "cam1.friction": 0.1,
+    "cam2.friction": 1.0,
+    "cam2.friction_load_exponent": 0.75,
+    "cam2.friction_load": 1.0,
+    "spring.preload": 0.0,
+    "spring.stiffness": 1.0,
+    "spring.stiffness2": 0.0,
+    "spring.stiffness3": 0.0,
+    "stop.lower": -1.0,
+    "stop.upper": 1.0,
+    "initial.theta": 1.0,
+}
+
+
+def test_of_two_answers_at_rest_that_counts_whose_torque_grows_with_the_load(make):
+    """Found by `./build.sh fuzz`: the reference took the other answer, and no edge of loading."""
+    fmu = make().start(TWO_EDGES)
+    fmu.step(1.0, tau=0.0, F_ext=-1.0)
+    assert fmu.get("mode") == UPPER_STOP
+    assert rests(fmu, Mechanism(TWO_EDGES, DOUBLE), TWO_EDGES)
+
+
 @GENERAL_FIXTURE
 @given(SCENES, CURVES, CUTS, st.data())
 def test_general_answer_does_not_depend_on_cuts(make, scratch, scene, curves, cuts, data):

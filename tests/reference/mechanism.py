@@ -431,16 +431,16 @@ class Mechanism:
         )
 
     def _loaded_edge(self, kin: Kinematics, slip: Slip, f0: Number) -> Balance | None:
-        """The balance at rest on the edge under F_0 = f0 > 0. Newton's method may end off the flanks."""
+        """The balance at rest on the edge under F_0 = f0 > 0. Newton's method may end off the flanks, or at
+        an answer whose torque does not grow with the load while another answer's does."""
         f0 = max(f0, 1e-12)
         try:
             load, mu = self._loaded_at_rest(kin, slip, f0)
         except (Refused, np.linalg.LinAlgError):
             load, mu = Load(0.0, 0.0, math.nan, math.nan), np.zeros(2)
-        if not (slip.e[0] * load.x1 >= 0 and slip.e[1] * load.x2 >= 0):
+        on_flanks = slip.e[0] * load.x1 >= 0 and slip.e[1] * load.x2 >= 0
+        if not (on_flanks and self._has_one_answer(kin, slip, load, mu)):
             return self._searched_edge(kin, slip, f0)
-        if not self._has_one_answer(kin, slip, load, mu):
-            return None
         return self._balance(kin, slip, (float(mu[0]), float(mu[1])))
 
     def _searched_edge(self, kin: Kinematics, slip: Slip, f0: Number) -> Balance | None:
