@@ -102,6 +102,26 @@ def test_release_edge_of_a_nearly_locked_contact_beside_a_nearly_level_groove(ma
 
 
 @pytest.mark.parametrize("model", [FORWARD, INVERSE])
+def test_release_edge_of_a_nearly_locked_contact_1_beside_a_nearly_level_groove_2(make_model, model):
+    """The same with the cams exchanged. Contact 1 bears next to nothing beside contact 2."""
+    p = FREE | cam(1, 0.0826, 1.1303, 0.117, -0.517, 214.0) | cam(2, 0.0149, 1e-6, 0.0)
+    first, rise = contact(p, 1, -1), 0.0149 * math.tan(1e-6)
+    unlocked = brentq(first.torque, 0.2, 0.5, xtol=1e-300, rtol=1e-15)
+    fmu = make_model(model).start(p)
+    for F_0 in np.linspace(700.0, 3000.0, 12):
+        reaction = brentq(
+            lambda r, f=F_0: first.torque(r) / rise + first.axial(r) - f,
+            unlocked,
+            1e4,
+            xtol=1e-300,
+            rtol=1e-15,
+        )
+        fmu.set({"F_ext": F_0})
+        torque = rise * (F_0 - first.axial(reaction))
+        assert fmu.get("torque_release") == pytest.approx(torque, rel=1e-10, abs=0.0), F_0
+
+
+@pytest.mark.parametrize("model", [FORWARD, INVERSE])
 def test_efficiency_is_0_where_no_torque_moves_the_mechanism(make_model, model):
     """The load exceeds the largest that the contacts carry when loading, and when releasing while contact 2
     is not locked. With contact 2 locked the load is below the least that they carry."""

@@ -100,10 +100,21 @@ static CrossingResult end_on_crossing(const SegmentLimits *limits, StepIndicator
     return CROSSING_NONE;
 }
 
+/* The size of the terms of a reaction at the end of the step. */
+static double reaction_size(const SegmentLimits *limits, StepIndicator indicator, const RadauStep *step) {
+    return step_indicator_rate(limits, indicator, radau_step_end(step), step->h).rounding / DBL_EPSILON;
+}
+
 /* Is the reaction at the end of the step on its flank by far more than rounding? */
 static bool is_on_flank(const SegmentLimits *limits, StepIndicator indicator, const RadauStep *step) {
-    const double size = step_indicator_rate(limits, indicator, radau_step_end(step), step->h).rounding / DBL_EPSILON;
+    const double size = reaction_size(limits, indicator, step);
     return step_indicator_at_end(limits, indicator, step) > LOCATION_LOST_SHARE * size;
+}
+
+/* Does the reaction at the end of the step press off its flank by more than rounding? */
+static bool is_off_flank(const SegmentLimits *limits, StepIndicator indicator, const RadauStep *step) {
+    const double size = reaction_size(limits, indicator, step);
+    return step_indicator_at_end(limits, indicator, step) < -REACTION_ZERO_SHARE * size;
 }
 
 /* Shortens the step until the indicator is not rounding at its end; false if it is rounding in shorter steps, too. */
@@ -221,6 +232,7 @@ static bool end_on_first_event(const SegmentLimits *limits, const StopAhead *sto
             first == STEP_TO_STOP && turns_at_stop(limits->slip, stop, step) && ends_at_stop(limits, &before);
         if (result == CROSSING_REACHED && !turns) {
             location->kind = lost ? EVENT_LOST : step_indicator_event(first);
+            location->leaves_flank = location->kind == EVENT_FLANK && is_off_flank(limits, first, &before);
             location->at_breakpoint = first == STEP_BREAKPOINT;
         } else {
             *step = before;
@@ -287,7 +299,7 @@ bool event_location_find(const SlipMode *slip, const Balance *start, const StopA
         const double longest = min_of(min_of(most, length), to_breakpoint);
         if (!step_control_solve(slip, start, longest, first, &location->step)) return false;
         location->kind = EVENT_NONE;
-        location->at_breakpoint = false;
+        location->leaves_flank = location->at_breakpoint = false;
         propose_next(first, to_breakpoint, location);
         if (end_on_first_event(&limits, stop, location, &solved)) {
             end_on_breakpoint(&limits, location);

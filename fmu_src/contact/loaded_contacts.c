@@ -157,11 +157,12 @@ COMPACT static bool next_root(Samples *s, double *root) {
 typedef struct {
     const LoadedPin *pin;
     const LoadTerms *loads, *by_alpha;
+    int sampled; /* the contact whose reaction is known: 0 or 1 */
 } Elimination;
 
-/* What follows from x_2: alpha, x_1, and by how much the friction force f_1 x_1 misses the law. */
+/* What follows from one reaction: alpha, the other reaction, and by how much its friction force f x misses the law. */
 typedef struct {
-    double alpha, x1, missed;
+    double alpha, other, missed;
 } Eliminated;
 
 /* q_i = f_i x_i, N/m, by the law. */
@@ -170,30 +171,39 @@ COMPACT static double friction_force(const LoadedPin *pin, int i, double x) {
     return sign_on(pin, i) * friction_under(&pin->params->cam[i], pin->speed[i], R).value * x;
 }
 
-/* Contact i passes on r_i (a_i x_i + r_i q_i) as torque and r_i x_i - a_i q_i as axial force, with q_i = f_i x_i. So x_2
- * gives both for contact 2, the balances give both for contact 1, and these two forces are linear in x_1 and q_1. */
-COMPACT static Eliminated eliminate(const Elimination *e, double x2) {
+/* alpha, under the torque at the sampled contact. */
+static double alpha_of(const Elimination *e, double torque) {
+    const LoadTerms *loads = e->loads, *by_alpha = e->by_alpha;
+    if (e->sampled == 1) return (loads->torque - torque) / by_alpha->torque;
+    return (loads->torque - loads->moment - torque) / (by_alpha->torque + by_alpha->moment);
+}
+
+/* Contact i passes on r_i (a_i x_i + r_i q_i) as torque and r_i x_i - a_i q_i as axial force, with q_i = f_i x_i. So one
+ * reaction gives both for its contact, the balances give both for the other contact, and these two forces are linear in the
+ * x and q of this other one. */
+COMPACT static Eliminated eliminate(const Elimination *e, double x) {
     const LoadedPin *pin = e->pin;
-    const CamParams *cam = pin->params->cam;
-    const double r1 = cam[0].radius, r2 = cam[1].radius, a1 = pin->slope[0], a2 = pin->slope[1];
+    const int i = e->sampled, j = 1 - i;
+    const double r = pin->params->cam[i].radius, a = pin->slope[i];
+    const double other_r = pin->params->cam[j].radius, other_a = pin->slope[j];
     work_add(pin->work, 1);
-    const double q2 = friction_force(pin, 1, x2), torque2 = r2 * (a2 * x2 + r2 * q2);
+    const double q = friction_force(pin, i, x), torque = r * (a * x + r * q);
     LoadTerms loads = *e->loads;
     Eliminated out = {.alpha = 0.0};
     if (e->by_alpha != NULL) {
-        out.alpha = (loads.torque - torque2) / e->by_alpha->torque;
+        out.alpha = alpha_of(e, torque);
         loads.axial += e->by_alpha->axial * out.alpha;
         loads.moment += e->by_alpha->moment * out.alpha;
     }
-    const double torque1 = torque2 - loads.moment, axial1 = loads.axial - (r2 * x2 - a2 * q2);
-    const double inverse = 1.0 / (r1 * r1 + a1 * a1);
-    out.x1 = (r1 * axial1 + a1 * torque1 / r1) * inverse;
-    out.missed = (torque1 - a1 * axial1) * inverse - friction_force(pin, 0, out.x1);
+    const double other_torque = i == 1 ? torque - loads.moment : torque + loads.moment;
+    const double other_axial = loads.axial - (r * x - a * q), inverse = 1.0 / (other_r * other_r + other_a * other_a);
+    out.other = (other_r * other_axial + other_a * other_torque / other_r) * inverse;
+    out.missed = (other_torque - other_a * other_axial) * inverse - friction_force(pin, j, out.other);
     return out;
 }
 
-static double missed_by(const void *context, double x2) {
-    return eliminate(context, x2).missed;
+static double missed_by(const void *context, double x) {
+    return eliminate(context, x).missed;
 }
 
 /* Do the reactions press the flanks of the pair? */
@@ -237,17 +247,16 @@ COMPACT static bool improve_answer(const LoadedPin *pin, const LoadTerms *loads,
     return best->rank == ANSWER_SETTLES;
 }
 
-/* Takes samples of x_2. */
-COMPACT static void search(const LoadedPin *pin, const LoadTerms *loads, const LoadTerms *by_alpha, double size,
-                           int samples, Answer *best) {
-    const Elimination e = {pin, loads, by_alpha};
-    Samples second = samples_on_flank(missed_by, &e, pin->flank[1], size, samples);
+/* Takes samples of the reaction of one contact, from those of `size` N/m. */
+COMPACT static void search(const Elimination *e, double size, int samples, Answer *best) {
+    const int i = e->sampled;
+    Samples found = samples_on_flank(missed_by, e, e->pin->flank[i], size, samples);
     LoadedContacts tried;
-    while (next_root(&second, &tried.x[1])) { /* at most `samples` turns */
-        const Eliminated found = eliminate(&e, tried.x[1]);
-        tried.x[0] = found.x1;
-        tried.alpha = found.alpha;
-        if (improve_answer(pin, loads, by_alpha, &tried, best)) return;
+    while (next_root(&found, &tried.x[i])) { /* at most `samples` turns */
+        const Eliminated rest = eliminate(e, tried.x[i]);
+        tried.x[1 - i] = rest.other;
+        tried.alpha = rest.alpha;
+        if (improve_answer(e->pin, e->loads, e->by_alpha, &tried, best)) return;
     }
 }
 
@@ -298,10 +307,10 @@ COMPACT static void search_without_shaft(const LoadedPin *pin, const LoadTerms *
     }
 }
 
-/* N/m, of the larger reaction of *c, as a size of x_2. */
-static double size_of(const LoadedPin *pin, const LoadedContacts *c) {
+/* N/m, of the larger reaction of *c, as a size of x_i. */
+static double size_of(const LoadedPin *pin, const LoadedContacts *c, int i) {
     const CamParams *cam = pin->params->cam;
-    return max_of(fabs(c->x[0]) * cam[0].radius, fabs(c->x[1]) * cam[1].radius) / cam[1].radius;
+    return max_of(fabs(c->x[0]) * cam[0].radius, fabs(c->x[1]) * cam[1].radius) / cam[i].radius;
 }
 
 /* The iteration starts as if no friction acted. It can end nowhere, or in a motion at reactions that do not settle. A search
@@ -309,22 +318,27 @@ static double size_of(const LoadedPin *pin, const LoadedContacts *c) {
  * searches: the law holds there for |x_i|, and a reaction that passes zero comes there. */
 COMPACT static void solve(const LoadedPin *pin, const LoadTerms *loads, const LoadTerms *by_alpha, LoadedContacts *c) {
     begin(pin, loads, by_alpha, c);
-    const double size = size_of(pin, c);
+    const double size = size_of(pin, c, 1);
     iterate(pin, loads, by_alpha, c);
     if (c->possible && by_alpha == NULL) return;
     const bool off = c->possible && !is_on_flanks(pin, c);
     Answer best = {rank_of(pin, by_alpha, c), *c};
     if (off ? inertia_of(by_alpha, c) > 0.0 && c->single && !pin->searches : best.rank == ANSWER_SETTLES) return;
+    const Elimination second = {pin, loads, by_alpha, 1};
     if (by_alpha != NULL && by_alpha->torque == 0.0) search_without_shaft(pin, loads, by_alpha, &best);
-    else search(pin, loads, by_alpha, size, LOADED_SEARCH_SAMPLES, &best);
+    else search(&second, size, LOADED_SEARCH_SAMPLES, &best);
     if (!off || best.rank == ANSWER_SETTLES) *c = best.contacts;
 }
 
-/* Under known loads, with the reactions on their flanks. */
+/* Under known loads, with the reactions on their flanks. A contact that bears next to nothing hides between two samples of
+ * the other reaction. */
 COMPACT static void search_on_flanks(const LoadedPin *pin, const LoadTerms *loads, LoadedContacts *c) {
     Answer best = {.rank = ANSWER_NONE};
     begin(pin, loads, NULL, c);
-    search(pin, loads, NULL, size_of(pin, c), LOADED_FAR_SAMPLES, &best);
+    for (int i = 1; i >= 0 && best.rank == ANSWER_NONE; i--) {
+        const Elimination e = {pin, loads, NULL, i};
+        search(&e, size_of(pin, c, i), LOADED_FAR_SAMPLES, &best);
+    }
     *c = best.contacts;
 }
 

@@ -241,7 +241,7 @@ static Candidate general_candidate(const Mechanism *m, int index) {
         candidate.rounding[i] = CANDIDATE_COARSE * rates.size[i] + noise;
         candidate.unseen[i] =
             m->load_ahead == 0 && !slip.friction_is_loaded && !is_visible(now.x[i], coarse * rates.size[i]);
-        candidate.ahead[i] = m->load_ahead * now.axial[i];
+        candidate.ahead[i] = m->load_ahead != 0 ? m->load_ahead * now.axial[i] : m->crossed[i];
     }
     if (is_undecided(&candidate, 0) || is_undecided(&candidate, 1)) extrapolate_contacts(&slip, &now, &candidate);
     return candidate;

@@ -23,7 +23,7 @@ typedef struct {
     ContactLoad size[2];    /* sizes of the terms in them */
     double rounding[2];     /* N/m, of x_i, as a size: at most that in size[i] */
     bool unseen[2];         /* x_i is rounding, now and a little later */
-    double ahead[2];        /* has the sign of x_i just after now, if Mechanism.load_ahead tells it; else 0 */
+    double ahead[2]; /* has the sign of x_i just after now, if Mechanism.load_ahead or .crossed tells it; else 0 */
 } Candidate;
 
 /* The candidate of one slip mode; index: see slip_index(). */

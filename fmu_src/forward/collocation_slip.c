@@ -52,6 +52,13 @@ COMPACT static int load_after(const SlipMode *slip, const Balance *end) {
     return load == -slip->flank[1] * sign_of(end->axial[1]) ? load : 0;
 }
 
+/* At a change of flanks under friction that depends on the load: the sign of x_i just after, of a contact that has left its
+ * flank. Its rate can be rounding for the decision, whose rounding is coarser than that of the location. */
+COMPACT static void note_crossing(const SlipMode *slip, const Balance *end, Segment *segment) {
+    for (int i = 0; slip->friction_is_loaded && i < 2; i++)
+        if (slip->flank[i] * end->x[i] <= 0.0) segment->crossed[i] = -slip->flank[i];
+}
+
 /* Do both contacts bear on their flanks (side 1), or press off these (side -1), by more than rounding? */
 COMPACT static bool is_on_side(const SlipMode *slip, const Balance *b, int side) {
     const double load = balance_load_size(slip->params, b->force, b->damper, b->dz_dtheta * b->alpha);
@@ -85,7 +92,10 @@ static bool radau_segment(Mechanism *m, const SlipMode *slip, double left, Event
     segment->energy_gained = step->energy_gained;
     if (m->params.ledger && step->h > DBL_EPSILON * left) raise_radau_peaks(m, slip, step, segment);
     segment->end = location->kind;
-    if (location->kind == EVENT_FLANK) segment->load_ahead = load_after(slip, end);
+    if (location->kind == EVENT_FLANK) {
+        segment->load_ahead = load_after(slip, end);
+        if (location->leaves_flank) note_crossing(slip, end, segment);
+    }
     segment->duration = step->h;
     segment->dtheta = step->dtheta;
     segment->varies = true;

@@ -197,6 +197,20 @@ static int slip_across_zero(const Mechanism *m, int present, const Candidate *ca
     return slip_index(direction, flank);
 }
 
+/* Under friction that depends on the load, the other flank of a contact without load can have another answer of the balance,
+ * with a load. A motion jumps there no sooner than its reaction, which counts as zero, has passed zero. */
+COMPACT static bool jumps_too_soon(const Mechanism *m, int present, const Candidate *candidate, const Candidate *next) {
+    int flank[2];
+    slip_flanks(present, flank);
+    bool same = true, on_flanks = m->model.friction_is_loaded;
+    for (int i = 0; i < 2; i++) {
+        const double value = candidate->contact[i].value;
+        same &= fabs(next->contact[i].value - value) <= LOCATION_LOST_SHARE * candidate->size[i].value;
+        on_flanks &= flank[i] * value >= 0.0 && m->crossed[i] == 0;
+    }
+    return on_flanks && !same;
+}
+
 /* Without inertia and damping, where no pair of flanks agrees: F_0 is zero and F_ext lifts F_0 in the direction in which the
  * torque is beyond the band. A contact locks where F_0 has the other sign, so that the motion follows F_0 = 0 (jump.c).
  * The index of the flanks of the coming load, or -1. */
@@ -308,6 +322,7 @@ COMPACT static Decision decide_moving(const Mechanism *m, LinearSlipMode *built)
     const int across = stays && !agreed ? slip_across_zero(m, present, &candidate) : -1;
     if (across >= 0) {
         const Candidate next = candidate_building(m, across, built);
+        if (jumps_too_soon(m, present, &candidate, &next)) return (Decision){.mode = mode, .slip_index = present};
         if (next.stable && agrees(m, across, &next, false)) return (Decision){.mode = mode, .slip_index = across};
     }
     const SearchStart from = stays ? FROM_FLANKS : FROM_MOTION;

@@ -30,6 +30,7 @@ typedef struct {
     bool finds_speed;        /* the speed follows from the mode that is decided at the end, see jump.c */
     bool ends_at_breakpoint; /* the length of the segment was chosen as the time to a breakpoint of the transmission */
     int load_ahead;          /* see Mechanism */
+    int crossed[2];          /* see Mechanism */
     Booking booking;         /* J; only with a ledger */
     Peaks peak;              /* largest values of the run up to the end; only with a ledger */
     const EventLocation *location; /* of SEGMENT_RADAU: the collocation step */
@@ -42,7 +43,7 @@ static inline void segment_begin(const Mechanism *m, SegmentKind kind, Segment *
     segment->duration = segment->dtheta = segment->omega = segment->energy_gained = 0.0;
     segment->omega_is_increment = segment->books = segment->varies = false;
     segment->finds_speed = segment->ends_at_breakpoint = false;
-    segment->load_ahead = 0;
+    segment->load_ahead = segment->crossed[0] = segment->crossed[1] = 0;
     segment->peak = m->state.ledger.peak;
     segment->location = NULL;
 }

@@ -150,6 +150,7 @@ typedef struct {
     bool moves_on;         /* in a step after its first segment: no input has jumped */
     int load_ahead;        /* in a step, where a segment has ended as both reactions pass zero: sign of the axial load
                               that follows; else 0 */
+    int crossed[2];        /* in a step, where a segment has ended as x_i passes zero: sign of x_i just after; else 0 */
     const char *resources; /* directory from which a table's relative path starts, or NULL; not owned */
     bool continuous;       /* model exchange (ode.h): modes change in mechanism_settle() only */
 } Mechanism;

@@ -157,6 +157,7 @@ static bool carry_out(Mechanism *m, StepRun *run, const Segment *segment) {
     handle_event(m, direction_of(past.mode), segment->end);
     if (segment->finds_speed) jump_find_speed(m);
     m->load_ahead = segment->load_ahead;
+    for (int i = 0; i < 2; i++) m->crossed[i] = segment->crossed[i];
     m->moves_on = true;
     run->left = max_of(run->left - segment->duration, 0.0); /* a rounding can locate an event past the end */
     run->rests_on = segment->kind == SEGMENT_REST && !segment->varies;
@@ -216,7 +217,7 @@ static Outcome go_through(Mechanism *m, StepRun *run) {
     m->work = &run->work;
     const Outcome outcome = make_segments(m, run);
     m->work = NULL;
-    m->load_ahead = 0;
+    m->load_ahead = m->crossed[0] = m->crossed[1] = 0;
     m->moves_on = false;
     return work_is_spent(&run->work) ? OUTCOME_TOO_MUCH_WORK : outcome;
 }

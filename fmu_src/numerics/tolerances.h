@@ -268,7 +268,7 @@ static const double STEP_MOST_GROWTH = 4.0, STEP_UNSOLVED_SHORTENING = 0.25;
 /* Share of the proposed length above which a step takes over the proposed number of stages. */
 static const double STEP_SIMILAR = 0.5;
 
-/* Of one step; to end the step at a sample of friction; whose errors differ by the share STEP_LEVEL: rounding. */
+/* Of one step; to end the step at a sample of friction; whose errors differ by the share STEP_LEVEL. */
 enum { STEP_TRIALS = 60, STEP_SAMPLE_TRIALS = 8, STEP_LEVEL_TRIALS = 10 };
 static const double STEP_LEVEL = 0.01;
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.polynomial import Polynomial as Power
 from scipy.optimize import brentq
 
+from .answers_at_rest import answers_at_rest
 from .arithmetic import DOUBLE, Arithmetic, Number
 from .friction import FrictionLaw
 from .grooves import HELIX, groove_of
@@ -444,27 +444,16 @@ class Mechanism:
         return self._balance(kin, slip, (float(mu[0]), float(mu[1])))
 
     def _searched_edge(self, kin: Kinematics, slip: Slip, f0: Number) -> Balance | None:
-        """The same: x_2 gives torque and axial force of contact 2, the balances give both of contact 1, and
-        these are linear in x_1 and its friction force, which must obey the law."""
+        """The same, from samples of the reactions."""
 
-        def balanced(x2: float) -> tuple[float, np.ndarray, float]:
-            f2 = slip.sigma * slip.e[1] * self._law_at(kin, slip, Load(0.0, 0.0, 0.0, x2))[1]
-            torque = self.r2 * (kin.a2 + f2 * self.r2) * x2
-            axial = f0 - (self.r2 - f2 * kin.a2) * x2
-            x1, q1 = np.linalg.solve([[self.r1, -kin.a1], [kin.a1, self.r1]], [axial, torque / self.r1])
-            return float(q1), self._law_at(kin, slip, Load(0.0, 0.0, float(x1), x2)), float(x1)
+        def friction(i: int, x: float) -> float:
+            load = Load(0.0, 0.0, x, 0.0) if i == 0 else Load(0.0, 0.0, 0.0, x)
+            return slip.sigma * slip.e[i] * float(self._law_at(kin, slip, load)[i]) * x
 
-        def missed(log_x2: float) -> float:
-            q1, mu, x1 = balanced(slip.e[1] * math.exp(log_x2))
-            return q1 - slip.sigma * slip.e[0] * mu[0] * x1
-
-        grid = np.linspace(math.log(1e-12 * f0 / self.r2), math.log(1e12 * f0 / self.r2), 248)
-        values = [missed(x) for x in grid]
-        steps = zip(pairwise(grid), pairwise(values), strict=True)
-        for low, high in (ends for ends, (before, after) in steps if before * after <= 0):
-            x2 = slip.e[1] * math.exp(brentq(missed, low, high, xtol=1e-14, rtol=1e-15))
-            _, mu, x1 = balanced(x2)
-            if slip.e[0] * x1 >= 0 and self._has_one_answer(kin, slip, Load(0.0, 0.0, x1, x2), mu):
+        for x1, x2 in answers_at_rest((self.r1, self.r2), (kin.a1, kin.a2), f0, slip.e, friction):
+            load = Load(0.0, 0.0, x1, x2)
+            mu = self._law_at(kin, slip, load)
+            if self._has_one_answer(kin, slip, load, mu):
                 return self._balance(kin, slip, (float(mu[0]), float(mu[1])))
         return None
 

@@ -1,0 +1,108 @@
+"""Friction that depends on the load, on a dwell of cam 1 without friction there.
+
+The level groove passes no torque, so the follower turns with the shaft, and contact 2 bears I alpha alone.
+Whatever its friction, (J + I) alpha = tau - b omega. From rest, with T = (J + I)/b and w = tau/b,
+
+    theta = w t - w T (1 - exp(-t/T)).
+
+The load of contact 2 falls with exp(-t/T) to rounding and below.
+"""
+
+import math
+
+import pytest
+from driver import FORWARD
+from reference import LOADING, write_table
+
+KNOTS = [-0.37712288276247774 + k * 0.14369745055544070 for k in range(5)]  # rad; no double is a sum of these
+HEIGHTS = [0.0, 4.25e-6, 4.013e-5, 4.013e-5, 4.05e-5]  # m
+NEAR = 1e-9  # the default tolerance
+
+
+@pytest.fixture(scope="module")
+def dwell(tmp_path_factory):
+    """Level for psi_1 from KNOTS[2] to KNOTS[3]."""
+    path = tmp_path_factory.mktemp("dwell") / "groove.csv"
+    write_table(path, KNOTS, HEIGHTS)
+    level = {"cam1.profile": 3, "cam1.table": str(path), "stop.lower": -0.37, "stop.upper": 0.19}
+    return level | {"cam1.friction": 0.0, "spring.preload": 0.0, "spring.stiffness": 0.0}
+
+
+def expected(parameters, tau, t):
+    damping = parameters["shaft.damping"]
+    settling = (parameters["inertia.shaft"] + parameters["inertia.follower"]) / damping
+    return tau / damping * (t + settling * math.expm1(-t / settling))
+
+
+@pytest.mark.parametrize("exponent", [-1 / 3, 2 / 3])
+@pytest.mark.parametrize("settled", range(12, 40, 3))
+def test_a_load_that_fades_away_does_not_end_the_motion(make_model, dwell, settled, exponent):
+    """A communication point falls where the load has fallen by exp(-settled), before a long step. The error
+    of this step stays the same until the step is as short as T: this is not rounding, and the contacts do not
+    jam. Nor does contact 2 jump to the other flank, where another answer of the balance loads the contact."""
+    parameters = dwell | {
+        "cam2.friction": 0.1,
+        "cam2.lead_angle": 0.12,
+        "cam2.friction_load_exponent": exponent,
+        "inertia.shaft": 3.5e-6,
+        "inertia.follower": 5e-8,
+        "inertia.follower_mass": 1e-3,
+        "shaft.damping": 1.0,
+    }
+    fmu = make_model(FORWARD).start(parameters)
+    for h in (settled * 3.55e-6, 0.3):
+        fmu.step(h, tau=0.1, F_ext=1.0)
+    assert fmu.get("mode") == LOADING
+    assert fmu.get("theta") == pytest.approx(expected(parameters, 0.1, fmu.time), rel=NEAR)
+
+
+LEAVING = {
+    "stiff": (
+        {
+            "cam2.friction": 0.41723710695231936,
+            "cam2.lead_angle": 1.0020900399683175,
+            "cam2.friction_load_exponent": 0.8589405597038768,
+            "inertia.shaft": 0.0022120531948367286,
+            "inertia.follower": 2.9131287620065205e-06,
+            "inertia.follower_mass": 0.021581037062723085,
+            "shaft.damping": 0.7759002357556917,
+            "spring.stiffness": 100.0,
+        },
+        (0.0849569137686555, 0.2981441624770423),
+        (0.12735183894688518, 2.6381257846698265),
+    ),
+    "stribeck": (
+        {
+            "cam2.friction": 0.031814830998487115,
+            "cam2.lead_angle": 0.5681634393596439,
+            "cam2.friction_load_exponent": 0.7631916004234354,
+            "cam2.friction_peak": 1.0774833329630498,
+            "cam2.stribeck_velocity": 0.0012279458315404175,
+            "cam2.friction_viscous": 0.40021418683282595,
+            "inertia.shaft": 1.1552669732513018e-05,
+            "inertia.follower": 1.0410779434771117e-05,
+            "inertia.follower_mass": 0.00015427800799752575,
+            "shaft.damping": 0.0037969635478549515,
+        },
+        (0.19530786260285285, 0.5205950036729063),
+        (0.0002982157170304569, -0.020530045889775125),
+    ),
+}
+
+
+@pytest.mark.parametrize("scene", LEAVING)
+def test_a_contact_takes_the_flank_that_its_load_grows_to(make_model, dwell, scene):
+    """Just beyond the dwell the load of contact 2 grows from nothing, at a rate that is rounding for the
+    decision of the mode. The located change of flanks tells the flank."""
+    values, steps, (tau, force) = LEAVING[scene]
+    parameters = dwell | {"cam2.friction_load": 1e4} | values
+    fmu = make_model(FORWARD).start(parameters)
+    for h in steps:
+        fmu.step(h, tau=tau, F_ext=force)
+    end = expected(parameters, tau, fmu.time)
+    slope = 2.0 * (HEIGHTS[4] - HEIGHTS[3]) / (KNOTS[4] - KNOTS[3])  # m/rad, at most, beyond the dwell
+    beyond = (end - KNOTS[3]) / (tau / parameters["shaft.damping"])  # s
+    assert beyond > 0.0
+    assert fmu.get("theta") == pytest.approx(
+        end, rel=NEAR, abs=slope * abs(force) / parameters["shaft.damping"] * beyond
+    )
