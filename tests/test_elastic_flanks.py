@@ -62,3 +62,13 @@ def test_a_shaft_with_hardly_any_inertia(make_model, mass):
     p, tau, end = LOCKED | {"inertia.follower_mass": mass, "inertia.shaft": 1e-6}, 5.32, 0.033
     elastic = ElasticFlanks(p, tau).angle_after(end)
     assert angle_of_rigid(make_model, p, tau, end) == pytest.approx(elastic, rel=3e-4)
+
+
+def test_a_change_of_a_parameter_while_the_reactions_are_searched(make_model):
+    """After a change of a tunable parameter the flanks are decided anew, here on those of before."""
+    p, tau = random_cams(471, True)
+    fmu = make_model(FORWARD).start(p | {"tau": tau})
+    fmu.step(END / 2)
+    fmu.set({"spring.preload": 0.0})
+    fmu.step(END / 2)
+    assert fmu.get("theta") == pytest.approx(ElasticFlanks(p, tau).angle_after(END), rel=3e-4)

@@ -12,7 +12,7 @@ import math
 
 import pytest
 from driver import FORWARD
-from reference import LOADING, write_table
+from reference import LOADING, RELEASING, write_table
 
 KNOTS = [-0.37712288276247774 + k * 0.14369745055544070 for k in range(5)]  # rad; no double is a sum of these
 HEIGHTS = [0.0, 4.25e-6, 4.013e-5, 4.013e-5, 4.05e-5]  # m
@@ -54,6 +54,25 @@ def test_a_load_that_fades_away_does_not_end_the_motion(make_model, dwell, settl
         fmu.step(h, tau=0.1, F_ext=1.0)
     assert fmu.get("mode") == LOADING
     assert fmu.get("theta") == pytest.approx(expected(parameters, 0.1, fmu.time), rel=NEAR)
+
+
+def test_a_load_that_fades_away_jams_no_contact(make_model, dwell):
+    """Friction falls with the load. Where loads are rounding, no pair of flanks agrees with its rates."""
+    parameters = dwell | {
+        "cam2.friction": 0.27,
+        "cam2.lead_angle": 0.72,
+        "cam2.friction_load_exponent": -0.23,
+        "cam2.friction_load": 0.04,
+        "inertia.shaft": 9.5e-4,
+        "inertia.follower": 7.6e-9,
+        "inertia.follower_mass": 0.0125,
+        "shaft.damping": 0.9,
+    }
+    fmu = make_model(FORWARD).start(parameters)
+    for h in (0.02, 0.2):
+        fmu.step(h, tau=-0.0675, F_ext=-777.0)
+    assert fmu.get("mode") == RELEASING
+    assert fmu.get("theta") == pytest.approx(expected(parameters, -0.0675, fmu.time), rel=NEAR)
 
 
 LEAVING = {

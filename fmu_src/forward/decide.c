@@ -197,18 +197,24 @@ static int slip_across_zero(const Mechanism *m, int present, const Candidate *ca
     return slip_index(direction, flank);
 }
 
-/* Under friction that depends on the load, the other flank of a contact without load can have another answer of the balance,
- * with a load. A motion jumps there no sooner than its reaction, which counts as zero, has passed zero. */
-COMPACT static bool jumps_too_soon(const Mechanism *m, int present, const Candidate *candidate, const Candidate *next) {
+/* Under friction that depends on the load, is each reaction still on its flank, if by no more than rounding, and has the location
+ * of events seen none pass zero? A load that fades away never does, though its rate tells the other flank. */
+COMPACT static bool has_passed_no_zero(const Mechanism *m, int present, const Candidate *candidate) {
     int flank[2];
     slip_flanks(present, flank);
-    bool same = true, on_flanks = m->model.friction_is_loaded;
+    bool on_flanks = m->model.friction_is_loaded && candidate->possible;
+    for (int i = 0; i < 2; i++) on_flanks &= flank[i] * candidate->contact[i].value >= 0.0 && m->crossed[i] == 0;
+    return on_flanks;
+}
+
+/* The other flank of a contact without load can have another answer of the balance, with a load. */
+COMPACT static bool jumps(const Candidate *candidate, const Candidate *next) {
+    bool same = true;
     for (int i = 0; i < 2; i++) {
-        const double value = candidate->contact[i].value;
-        same &= fabs(next->contact[i].value - value) <= LOCATION_LOST_SHARE * candidate->size[i].value;
-        on_flanks &= flank[i] * value >= 0.0 && m->crossed[i] == 0;
+        const double change = fabs(next->contact[i].value - candidate->contact[i].value);
+        same &= change <= LOCATION_LOST_SHARE * candidate->size[i].value;
     }
-    return on_flanks && !same;
+    return !same;
 }
 
 /* Without inertia and damping, where no pair of flanks agrees: F_0 is zero and F_ext lifts F_0 in the direction in which the
@@ -322,12 +328,14 @@ COMPACT static Decision decide_moving(const Mechanism *m, LinearSlipMode *built)
     const int across = stays && !agreed ? slip_across_zero(m, present, &candidate) : -1;
     if (across >= 0) {
         const Candidate next = candidate_building(m, across, built);
-        if (jumps_too_soon(m, present, &candidate, &next)) return (Decision){.mode = mode, .slip_index = present};
+        if (has_passed_no_zero(m, present, &candidate) && jumps(&candidate, &next))
+            return (Decision){.mode = mode, .slip_index = present};
         if (next.stable && agrees(m, across, &next, false)) return (Decision){.mode = mode, .slip_index = across};
     }
     const SearchStart from = stays ? FROM_FLANKS : FROM_MOTION;
     int index = find_slip_mode(m, direction, from, 0, built);
-    if (index < 0 && stays && vanish_together(present, &candidate)) index = present;
+    if (index < 0 && stays && (vanish_together(present, &candidate) || has_passed_no_zero(m, present, &candidate)))
+        index = present;
     if (index < 0 && m->model.friction_is_loaded) index = find_searched(m, direction, from, built);
     return (Decision){.mode = index < 0 ? MODE_WEDGED : mode, .slip_index = index};
 }

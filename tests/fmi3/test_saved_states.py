@@ -10,6 +10,7 @@ import pytest
 from driver import ERROR
 from driver3 import FORWARD, INVERSE
 from fmi3_scenes import GENERAL, wave
+from test_elastic_flanks import random_cams
 
 
 @pytest.mark.parametrize("options", [{}, {"events": True, "early": True}], ids=["plain", "events"])
@@ -34,6 +35,29 @@ def test_a_restored_run_repeats_bit_for_bit(make3, options):
     fmu.free_state(state)
     other.free_state(opened)
     fmu.free_state(c_void_p())
+
+
+@pytest.mark.parametrize("number", [471, 1007])
+def test_a_motion_that_searches_its_reactions_repeats_bit_for_bit(make3, number):
+    """The state tells another instance that Newton's method has lost the answer of the balance."""
+    parameters, tau = random_cams(number, True)
+    fmu, other = (make3(FORWARD).start(parameters | {"tau": tau}) for _ in range(2))
+    for _ in range(12):
+        fmu.step(0.001, tau=tau)
+    state, origin = fmu.take(), fmu.time
+    content = fmu.to_bytes(state)
+    fmu.free_state(state)
+    place = len(content) - ctypes.sizeof(Run) - ctypes.sizeof(State)
+    assert State.from_buffer(bytearray(content), place).searches == 1
+    opened = c_void_p()
+    other.ok("DeserializeFMUState", content, len(content), byref(opened))
+    other.restore(opened)
+    other.free_state(opened)
+    other.time = origin
+    for _ in range(5):
+        fmu.step(0.001, tau=tau)
+        other.step(0.001, tau=tau)
+        assert fmu.everything() == other.everything()
 
 
 def test_bytes_that_are_no_state_of_this_fmu_are_refused(make_model, make3):

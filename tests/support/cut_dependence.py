@@ -95,8 +95,17 @@ def rounding_by_angle(fmu: Driver, parameters: Mapping[str, Any]) -> float:
     return ANGLE * max(map(abs, (parameters["stop.lower"], parameters["stop.upper"]))) * rate
 
 
+def nudge_stops(values: dict[str, Any], chance: random.Random) -> None:
+    """By a rounding of the angle. A mechanism that leaves an unstable balance at a stop leaves by that."""
+    rounding = ANGLE * max(map(abs, (values["stop.lower"], values["stop.upper"])))
+    for name in ("stop.lower", "stop.upper"):
+        values[name] += rounding * chance.choice((-1.0, 1.0))
+    start = values.get("initial.theta", 0.0)
+    values["initial.theta"] = min(max(start, values["stop.lower"]), values["stop.upper"])
+
+
 def nudged(scene: Scene, chance: random.Random) -> Scene:
-    """The same scene, each number a little larger or smaller; the stops, which are places, stay."""
+    """The same scene, each number a little larger or smaller; the stops, which are places, by a rounding."""
 
     def near(x: float) -> float:
         return x * (1.0 + NUDGE * chance.choice((-1.0, 1.0)))
@@ -105,6 +114,7 @@ def nudged(scene: Scene, chance: random.Random) -> Scene:
         name: near(value) if isinstance(value, float) and not name.startswith("stop.") else value
         for name, value in scene.parameters.items()
     }
+    nudge_stops(values, chance)
     for i in (1, 2):  # the least value that is allowed
         if f"cam{i}.friction_peak" in values:
             values[f"cam{i}.friction_peak"] = max(1.0, values[f"cam{i}.friction_peak"])
