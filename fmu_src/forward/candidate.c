@@ -112,6 +112,11 @@ static bool balance_after(const SlipMode *slip, double theta, double omega, doub
     return true;
 }
 
+/* Under friction that varies with the speed a contact can lock before: behind that place the flanks are others. */
+COMPACT static bool has_locked(const SlipMode *slip, const Balance *now, const Balance *later) {
+    return slip->friction_varies && (now->axial[0] * later->axial[0] < 0.0 || now->axial[1] * later->axial[1] < 0.0);
+}
+
 /* x_i after dt, as far as the present alpha and jerk tell. What the acceleration then has beyond them has grown at least
  * like t^2: the speed gains a third of it, which a damper's load follows, and the angle a twelfth. */
 COMPACT static bool contacts_after(const SlipMode *slip, const Balance *now, const Candidate *candidate, double dt,
@@ -126,7 +131,7 @@ COMPACT static bool contacts_after(const SlipMode *slip, const Balance *now, con
         if (!balance_after(slip, theta + dt / 12.0 * gained, omega + gained / 3.0, dt, &later)) return false;
     }
     for (int i = 0; i < 2; i++) x[i] = later.x[i];
-    return isfinite(x[0]) && isfinite(x[1]);
+    return isfinite(x[0]) && isfinite(x[1]) && !has_locked(slip, now, &later);
 }
 
 static bool is_visible(double x, double size) {
