@@ -151,6 +151,19 @@ def test_energy_is_conserved_and_nothing_is_nan(make, parameters, steps):
         assert min(values[name] for name in HEATS) >= -1e-9 * turned_over - rounding - NOTHING
 
 
+def turned_over_inside(make, parameters, torque_unit, curves) -> float:
+    """J, in short steps: a motion to and fro within a step turns over more than its ends show."""
+    fmu, total, parts = started(make, parameters), 0.0, 32
+    for one in curves:
+        flows = [fmu.get(name) for name in FLOWS]
+        for k in range(parts):
+            assume(curve(fmu, torque_unit, *one, (k / parts, (k + 1) / parts)) == OK)
+            now = [fmu.get(name) for name in FLOWS]
+            total += sum(abs(new - old) for new, old in zip(now, flows, strict=True))
+            flows = now
+    return total
+
+
 def largest_height(parameters, make) -> float:
     """m: z is a difference of heights of the grooves. It has the digits of the largest one between the stops,
     and those of the heights in the tables."""
@@ -174,7 +187,7 @@ def test_general_energy_is_conserved_and_nothing_is_nan(make, scratch, scene, cu
     turned_over, rounding = sum(map(abs, flows)), 0.0
     grooves = [groove_of(parameters, i) for i in (1, 2)]
     felt = inertia_felt(fmu, parameters, grooves)
-    for one in curves:
+    for number, one in enumerate(curves, 1):
         if curve(fmu, torque_unit, *one) == ERROR:
             assert refused_for_a_reason(fmu), fmu.messages[-1].text
             break
@@ -191,6 +204,8 @@ def test_general_energy_is_conserved_and_nothing_is_nan(make, scratch, scene, cu
         swing = max(before, felt) * values["peak.omega"] ** 2 if felt else 0.0
         allowed = ENERGY_ERROR * (turned_over + swing) + rounding + NOTHING
         allowed += 4 * EPS * force * height
+        if abs(values["energy.residual"]) > allowed:
+            allowed += ENERGY_ERROR * turned_over_inside(make, parameters, torque_unit, curves[:number])
         assert abs(values["energy.residual"]) <= allowed
         assert min(changes[name] for name in HEATS) >= -allowed
 
@@ -292,10 +307,11 @@ def rests(fmu: Driver, mechanism, parameters) -> bool:
     r = [parameters[f"cam{i}.radius"] for i in (1, 2)]
     mu = [law.static for law in mechanism.laws]
 
-    def edges(force, steeper=0.0):
+    def edges(force, steeper=0.0, angle=theta):
         if mechanism.is_loaded:
-            return loaded_band(mechanism, theta, force, steeper)
-        return band(r, [slope + steeper for slope in a], mu, force)
+            return loaded_band(mechanism, angle, force, steeper)
+        here = mechanism.groove.at(angle)
+        return band(r, [slope + steeper for slope in (here.a1, here.a2)], mu, force)
 
     # z is known to 1e-13 of the whole way, with a tie of twice that: matters where the force is small
     doubt = 3e-13 * mechanism.reach
@@ -311,7 +327,12 @@ def rests(fmu: Driver, mechanism, parameters) -> bool:
     reach = max((abs(edge) for edge in band(r, a, mu, 1.0) if math.isfinite(edge)), default=0.0)
     rounding += (reach + max(r)) * noise
     if mode == STICK:
-        return min(releases) - rounding <= tau <= max(loadings) + rounding
+        # theta is known to a rounding of the farther stop: at the end of a dwell that makes a slope, or none
+        stops = parameters["stop.lower"], parameters["stop.upper"]
+        shift = 4 * EPS * max(map(abs, stops))
+        near = [edges(force, 0.0, min(max(theta + way * shift, stops[0]), stops[1])) for way in (-1, 1)]
+        lowest, highest = min(edge[0] for edge in near), max(edge[1] for edge in near)
+        return min(lowest, *releases) - rounding <= tau <= max(highest, *loadings) + rounding
     if mode == LOWER_STOP:
         return theta == parameters["stop.lower"] and tau <= release + rounding
     if mode == UPPER_STOP:

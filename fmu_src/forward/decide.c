@@ -261,6 +261,9 @@ static Decision decide_at_rest(const Mechanism *m, LinearSlipMode *built) {
     if (index < 0) index = unloaded_slip(m, direction);
     /* No slip mode agrees, and the torque is on the edge: rounding decides whether it is inside or beyond. */
     if (index < 0 && stick_is_on_edge(m, direction)) return (Decision){.mode = MODE_STICK, .slip_index = -1};
+    /* Newton's method can end at another answer than that of the motion which begins (find_searched()). */
+    if (index < 0 && m->model.friction_is_loaded && has_inertia(&m->params))
+        index = find_slip_mode(m, direction, FROM_REST, SLIP_SEARCHES, built);
     return (Decision){.mode = index < 0 ? MODE_WEDGED : slip_mode(direction), .slip_index = index};
 }
 
