@@ -57,6 +57,21 @@ def test_friction_that_depends_on_the_load(make_model, number):
     assert angle_of_rigid(make_model, p, tau, END) == pytest.approx(elastic, rel=3e-4)
 
 
+@pytest.mark.parametrize("number", [92, 502, 652, 1095, 1258, 1328, 1415, 1440])
+def test_an_edge_of_the_stick_band_that_one_reaction_hides(make_model, number):
+    """Searched by the other reaction alone, an edge is not found: the mechanism stands still."""
+    p, tau = random_cams(number, True)
+    elastic = ElasticFlanks(p, tau).angle_after(END)
+    assert angle_of_rigid(make_model, p, tau, END) == pytest.approx(elastic, rel=3e-4)
+
+
+@pytest.mark.parametrize("number", [813])
+def test_an_answer_at_rest_that_the_search_alone_finds(make_model, number):
+    p, tau = random_cams(number, True)
+    elastic = ElasticFlanks(p, tau).angle_after(END)
+    assert angle_of_rigid(make_model, p, tau, END) == pytest.approx(elastic, rel=1e-3)
+
+
 @pytest.mark.parametrize("mass", [0.3, 1.0])
 def test_a_shaft_with_hardly_any_inertia(make_model, mass):
     p, tau, end = LOCKED | {"inertia.follower_mass": mass, "inertia.shaft": 1e-6}, 5.32, 0.033

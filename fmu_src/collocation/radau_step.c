@@ -84,11 +84,10 @@ static bool is_rounding(const RightHandSide *start, double defect) {
  * to the change of the speed: the error grows like this change. At the end of the step the method has order 2s - 1,
  * inside order s + 1. error_at_end() takes half of that gain: then the errors of benchmarks/integrators stay below
  * RADAU_ERROR_SAFETY times the tolerance; with the whole gain they do not. */
-static double estimate_error(const RadauSystem *s, const RadauStep *step) {
+static double error_of_defect(const RadauSystem *s, const RadauStep *step, double defect) {
     const Radau *r = s->method;
     const StepSize size = step_size(s, step);
     const double h = s->h, stiff = size.stiffness;
-    const double defect = fabs(s->start->rhs.value - radau_dot(r->at_start, s->y, r->stages));
     const bool departs = s->slip->regime == REGIME_INERTIAL && size.growth > 1.0;
     const double damped = departs ? h * defect : h * defect / (1.0 + stiff);
     const double speed = departs ? size.change : size.speed;
@@ -101,9 +100,15 @@ static double estimate_error(const RadauSystem *s, const RadauStep *step) {
     const double inside = max_of(by_speed, max_of(by_angle - rounding, 0.0) / (size.distance + DBL_MIN));
     const double gained = (inside < 1.0 ? error_at_end(inside, r->stages) : inside) * RADAU_ERROR_SAFETY;
     const double at_end = stiff > 1.0 && !departs ? stiff_error(s, &size, defect, rounding) : 0.0;
-    const double error = max_of(gained, at_end) / s->slip->params->tolerance;
     const double strict = s->slip->friction_is_loaded ? RADAU_LOADED_STRICT : 1.0;
-    return strict * error > 1.0 && is_rounding(&s->start->rhs, defect) ? 0.0 : strict * error;
+    return strict * (max_of(gained, at_end) / s->slip->params->tolerance);
+}
+
+/* Where the defect is rounding, the defect of the speed remains, which a stiff step shows. */
+static double estimate_error(const RadauSystem *s, const RadauStep *step) {
+    const double defect = fabs(s->start->rhs.value - radau_dot(s->method->at_start, s->y, s->method->stages));
+    const double error = error_of_defect(s, step, defect);
+    return error > 1.0 && is_rounding(&s->start->rhs, defect) ? error_of_defect(s, step, 0.0) : error;
 }
 
 /* ---- energy ---- */
