@@ -180,7 +180,8 @@ static double polynomial_crossing(const SegmentLimits *limits, StepIndicator ind
     p.c[0] = p.c[1] = 0.0;
     x = bernstein_descent(&p);
     if (!(x < CROSSING_AT_ONCE)) return x;
-    if (!(v.value[step->method->stages] < -step_indicator_allowance(limits, indicator, step))) return INFINITY;
+    if (!(v.value[step->method->stages] < -step_indicator_allowance(limits, indicator, step)))
+        return indicator == STEP_SPEED && v.low < -CROSSING_DIP * v.high ? CROSSING_UNRESOLVED : INFINITY;
     if (step_indicator_is_flank(indicator)) return CROSSING_AT_ONCE;
     return indicator == STEP_SPEED ? x : CROSSING_UNRESOLVED;
 }

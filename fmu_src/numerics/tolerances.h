@@ -273,9 +273,9 @@ enum { STEP_TRIALS = 60, STEP_SAMPLE_TRIALS = 8, STEP_LEVEL_TRIALS = 10 };
 static const double STEP_LEVEL = 0.01;
 
 /* Event location */
-/* Share of the step before which a crossing of an indicator that starts from zero is rounding: the mode decision has
- * found the indicator to rise. */
-static const double CROSSING_AT_ONCE = 1e-9;
+/* Shares: of the step before which a crossing of an indicator that starts from zero is rounding, since the mode decision
+ * has found the indicator to rise; of the largest speed, below which the speed does not dip then in a step that sees it. */
+static const double CROSSING_AT_ONCE = 1e-9, CROSSING_DIP = 1e-9;
 
 /* A reaction that the mode decision counts as zero leaves its flank this many times the decision's rounding below zero. */
 static const double CROSSING_ALLOWANCE = 2.0;
