@@ -157,7 +157,7 @@ COMPACT static bool next_root(Samples *s, double *root) {
 typedef struct {
     const LoadedPin *pin;
     const LoadTerms *loads, *by_alpha;
-    int sampled; /* the contact whose reaction is known: 0 or 1 */
+    int sampled; /* the contact whose reaction is known: 0 or 1; with `by_alpha` 1, which the shaft's torque loads */
 } Elimination;
 
 /* What follows from one reaction: alpha, the other reaction, and by how much its friction force f x misses the law. */
@@ -169,13 +169,6 @@ typedef struct {
 COMPACT static double friction_force(const LoadedPin *pin, int i, double x) {
     const double R = fabs(x) * loaded_pin_reaction(pin, i);
     return sign_on(pin, i) * friction_under(&pin->params->cam[i], pin->speed[i], R).value * x;
-}
-
-/* alpha, under the torque at the sampled contact. */
-static double alpha_of(const Elimination *e, double torque) {
-    const LoadTerms *loads = e->loads, *by_alpha = e->by_alpha;
-    if (e->sampled == 1) return (loads->torque - torque) / by_alpha->torque;
-    return (loads->torque - loads->moment - torque) / (by_alpha->torque + by_alpha->moment);
 }
 
 /* Contact i passes on r_i (a_i x_i + r_i q_i) as torque and r_i x_i - a_i q_i as axial force, with q_i = f_i x_i. So one
@@ -191,7 +184,7 @@ COMPACT static Eliminated eliminate(const Elimination *e, double x) {
     LoadTerms loads = *e->loads;
     Eliminated out = {.alpha = 0.0};
     if (e->by_alpha != NULL) {
-        out.alpha = alpha_of(e, torque);
+        out.alpha = (loads.torque - torque) / e->by_alpha->torque;
         loads.axial += e->by_alpha->axial * out.alpha;
         loads.moment += e->by_alpha->moment * out.alpha;
     }
