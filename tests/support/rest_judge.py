@@ -135,6 +135,9 @@ def rests(fmu: Driver, mechanism, parameters) -> bool:
     rounding += 1e-15 * max(r) * size  # a groove that is level there is so to its digits
     reach = max((abs(edge) for edge in band(r, a, mu, 1.0) if math.isfinite(edge)), default=0.0)
     rounding += (reach + max(r)) * noise
+    # slopes are known to 1e-13 of the steeper one: where contacts lock, and at the end of a dwell, where one
+    # contact carries nothing and wedges as soon as the other groove rises, that decides
+    known = 1e-13 * max(a)
     stops = mechanism.lower, mechanism.upper
 
     def beside(share, axial):
@@ -144,7 +147,7 @@ def rests(fmu: Driver, mechanism, parameters) -> bool:
 
     if mode == STICK:
         # theta is known to a rounding of the farther stop: at the end of a dwell that makes a slope, or none
-        near = beside(4 * EPS, lambda _: force)
+        near = beside(4 * EPS, lambda _: force) + [edges(force, way * known) for way in (-1, 1)]
         lowest, highest = min(edge[0] for edge in near), max(edge[1] for edge in near)
         return min(lowest, *releases) - rounding <= tau <= max(highest, *loadings) + rounding
     if mode == LOWER_STOP:
@@ -159,9 +162,6 @@ def rests(fmu: Driver, mechanism, parameters) -> bool:
             return True
     # without any force the pin wedges as under the smallest one, of either sign
     loads = [force] if force else [1.0, -1.0, 1e-12, -1e-12]
-    # slopes are known to 1e-13 of the steeper one: where contacts lock, and at the end of a dwell, where one
-    # contact carries nothing and wedges as soon as the other groove rises, that decides
-    known = 1e-13 * max(a)
     found = [edge for load in loads for steeper in (0.0, known, -known) for edge in edges(load, steeper)]
     if any(map(math.isinf, found)):
         return True
