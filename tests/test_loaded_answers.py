@@ -37,6 +37,12 @@ def contact(p, i, turn):
     return LoadedContact(full[f"cam{i}.radius"], lead, FrictionLaw.of_cam(full, i), 0.0, 1, turn)
 
 
+def reaction_beside(of: LoadedContact, rise: float, axial: float, low: float, high: float) -> float:
+    """The reaction of `of` between low and high, N. The other contact has no friction and a groove of the
+    slope `rise`, m/rad. It bears the torque over this slope as axial force."""
+    return brentq(lambda r: of.torque(r) / rise + of.axial(r) - axial, low, high, xtol=1e-300, rtol=1e-15)
+
+
 def reaction_at(of: LoadedContact, torque: float) -> float:
     """The reaction of a contact whose torque grows with the reaction."""
     return brentq(lambda r: of.torque(r) - torque, 0.0, 1e14, xtol=1e-300, rtol=1e-15)
@@ -70,9 +76,7 @@ def test_release_edge_beside_a_locked_contact(make_model, model):
     locked, rise = contact(p, 2, -1), 0.004 * math.tan(1.3)
     fmu = make_model(model).start(p)
     for F_0 in np.linspace(1000.0, 3000.0, 200):
-        reaction = brentq(
-            lambda r, f=F_0: locked.torque(r) / rise + locked.axial(r) - f, 1.0, 1e6, xtol=1e-300, rtol=1e-15
-        )
+        reaction = reaction_beside(locked, rise, F_0, 1.0, 1e6)
         fmu.set({"F_ext": F_0})
         assert locked.torque(reaction) < 0.0
         assert fmu.get("torque_release") == pytest.approx(locked.torque(reaction), rel=1e-10), F_0
@@ -89,13 +93,7 @@ def test_release_edge_of_a_nearly_locked_contact_beside_a_nearly_level_groove(ma
     unlocked = 6.3 * (1.0 / math.tan(1.1)) ** (1 / 0.7)
     fmu = make_model(model).start(p)
     for F_0 in np.linspace(8.0, 60.0, 12):
-        reaction = brentq(
-            lambda r, f=F_0: second.torque(r) / rise + second.axial(r) - f,
-            unlocked,
-            1e4,
-            xtol=1e-300,
-            rtol=1e-15,
-        )
+        reaction = reaction_beside(second, rise, F_0, unlocked, 1e4)
         fmu.set({"F_ext": F_0})
         # the torque is a difference of nearly equal terms: their rounding over the torque is 1e-9
         assert fmu.get("torque_release") == pytest.approx(second.torque(reaction), rel=1e-8, abs=0.0), F_0
@@ -109,13 +107,7 @@ def test_release_edge_of_a_nearly_locked_contact_1_beside_a_nearly_level_groove_
     unlocked = brentq(first.torque, 0.2, 0.5, xtol=1e-300, rtol=1e-15)
     fmu = make_model(model).start(p)
     for F_0 in np.linspace(700.0, 3000.0, 12):
-        reaction = brentq(
-            lambda r, f=F_0: first.torque(r) / rise + first.axial(r) - f,
-            unlocked,
-            1e4,
-            xtol=1e-300,
-            rtol=1e-15,
-        )
+        reaction = reaction_beside(first, rise, F_0, unlocked, 1e4)
         fmu.set({"F_ext": F_0})
         torque = rise * (F_0 - first.axial(reaction))
         assert fmu.get("torque_release") == pytest.approx(torque, rel=1e-10, abs=0.0), F_0

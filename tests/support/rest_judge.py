@@ -111,7 +111,8 @@ def rests(fmu: Driver, mechanism, parameters) -> bool:
     k = [parameters[f"spring.{name}"] for name in ("preload", "stiffness", "stiffness2", "stiffness3")]
     kin = mechanism.groove.at(theta)
     z, a = kin.z, [kin.a1, kin.a2]
-    terms = [fmu.get("F_ext"), *(c * z**i for i, c in enumerate(k))]
+    pull = fmu.get("F_ext")
+    terms = [pull, *(c * z**i for i, c in enumerate(k))]
     force, size = math.fsum(terms), sum(map(abs, terms))
     r = [parameters[f"cam{i}.radius"] for i in (1, 2)]
     mu = [law.static for law in mechanism.laws]
@@ -155,7 +156,6 @@ def rests(fmu: Driver, mechanism, parameters) -> bool:
     if mode == UPPER_STOP:
         return theta == parameters["stop.upper"] and tau >= load - rounding
     if not release <= tau <= load:
-        pull = fmu.get("F_ext")
         if mechanism.is_loaded and loaded_wedges(mechanism, theta, tau, pull):
             return True
         if not mechanism.is_loaded and wedges(parameters, a, mu, tau, force):
@@ -166,6 +166,5 @@ def rests(fmu: Driver, mechanism, parameters) -> bool:
     if any(map(math.isinf, found)):
         return True
     # the place where a motion ends is known to the tolerance, and with the place the sign of F_0: rest beyond
-    pull = fmu.get("F_ext")
     near = beside(TOLERANCE, lambda place: mechanism.spring_force(mechanism.groove.at(place).z) + pull)
     return any(release <= tau <= load for release, load in near)
