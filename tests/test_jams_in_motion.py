@@ -14,12 +14,15 @@ from reference.grooves import Ellipse
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
+LOADING, RELEASING = 2, 3
 FORWARD = models["DualCamForward"]
 
 
 def step(fmu, begin, end):
+    """A mode of rest has no speed, even where the step ends as the contacts jam."""
     assert fmu.call("fmi2DoStep", begin, end - begin, 1) == OK, fmu.messages[-1].text
     fmu.time = end
+    assert fmu.get("mode") in (LOADING, RELEASING) or fmu.get("omega") == 0.0
 
 
 def factors(r, a, f):

@@ -21,9 +21,9 @@ EnergyBalance step_energy_balance(const SlipMode *slip, const Booking *b, const 
     const double gained = stored - (b->work_in - b->work_ext - heat);
     const double passed = energy_passed(b, spring);
     const double z = fabs(slip->piece->z[0]) + fabs(slip->piece->z[1]); /* the rounding of z is a share of this size */
-    const double at_rest = fabs(spring[0]) + fabs(spring[1]) + fabs(e->spring_force) * z;
-    const double rounding =
-        STEP_ENERGY_ROUNDING * (passed + at_rest + e->kinetic[0] + e->kinetic[1]) + e->angle_noise * fabs(e->tau);
+    const double energies = passed + fabs(spring[0]) + fabs(spring[1]) + e->kinetic[0] + e->kinetic[1];
+    const double rounding = STEP_ENERGY_ROUNDING * energies + STEP_HEIGHT_ROUNDING * fabs(e->spring_force) * z +
+                            e->angle_noise * fabs(e->tau);
     const double allowed = STEP_ENERGY_SHARE * p->tolerance * (passed + e->kinetic[1]) + DBL_MIN;
     return (EnergyBalance){.gained = gained, .error = max_of(fabs(gained) - rounding, 0.0) / allowed};
 }

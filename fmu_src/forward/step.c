@@ -31,7 +31,7 @@ typedef enum {
 typedef struct {
     double left;           /* s, time left */
     StepVisitor *visitor;  /* or NULL */
-    bool settles;          /* a jam at the end of the step is carried out, too */
+    bool settles;          /* decides the mode even if no time is left */
     bool decided;          /* the mode has been decided in this step */
     bool rests_on;         /* the latest segment is rest under constant inputs: no decision is due */
     bool goes_on;          /* the latest segment is a collocation step without event: its mode probably lasts */
@@ -178,9 +178,9 @@ static bool is_mode_known(const StepRun *run) {
     return run->left == 0.0 && !run->settles && (run->rests_on || !run->decided);
 }
 
-/* The mode has been decided: is the step complete? */
+/* The mode has been decided: is the step complete? A jam at its end takes the speed, for the mechanism then rests. */
 static bool is_over(const Mechanism *m, const StepRun *run) {
-    return run->left == 0.0 && !(run->settles && is_jammed(m));
+    return run->left == 0.0 && !is_jammed(m);
 }
 
 /* Proposes the next segment in the present mode, if a short test shows that the mode lasts. */

@@ -228,8 +228,9 @@ enum { EDGE_ITERATIONS = 100 };
 
 /* Energy balance of a step */
 
-/* Share of the tolerance for the residual of one step, for many can pass the same energy; and rounding of the energies. */
+/* Share of the tolerance for the residual of one step, for many can pass the same energy; rounding of energies, and of z. */
 static const double STEP_ENERGY_SHARE = 0.1, STEP_ENERGY_ROUNDING = 32.0 * DBL_EPSILON;
+static const double STEP_HEIGHT_ROUNDING = 2.0 * DBL_EPSILON;
 
 /* Breakpoints: overshoot as a share of the narrower piece's width */
 

@@ -7,6 +7,7 @@ reference. The geometry is that of the reference.
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 
 import numpy as np
 from driver import Driver
@@ -17,6 +18,7 @@ TOLERANCE = 1e-9  # the FMU's, where none is given
 # J or N.m. Below 1e-300 numbers have no digits left to lose, and products of small ones get there: an account
 # of 1e-242 J is nothing, whatever share of it is missing.
 NOTHING = 1e-200
+SLOPE_KNOWN = 1e-13  # share of the steepest slope between the stops: the allowed error of the transmission
 
 
 def band(r, a, mu, force):
@@ -105,6 +107,13 @@ def loaded_wedges(mechanism, theta, tau, force) -> bool:
     )
 
 
+@lru_cache(maxsize=1)
+def steepest_slope(mechanism) -> float:
+    """m/rad, of both grooves between the stops, from samples."""
+    places = [mechanism.groove.at(theta) for theta in np.linspace(mechanism.lower, mechanism.upper, 201)]
+    return max(max(kin.a1, kin.a2) for kin in places)
+
+
 def rests(fmu: Driver, mechanism, parameters) -> bool:
     """May it stand still there? The geometry is that of the reference."""
     tau, theta, mode = (fmu.get(name) for name in ("tau", "theta", "mode"))
@@ -136,9 +145,9 @@ def rests(fmu: Driver, mechanism, parameters) -> bool:
     rounding += 1e-15 * max(r) * size  # a groove that is level there is so to its digits
     reach = max((abs(edge) for edge in band(r, a, mu, 1.0) if math.isfinite(edge)), default=0.0)
     rounding += (reach + max(r)) * noise
-    # slopes are known to 1e-13 of the steeper one: where contacts lock, and at the end of a dwell, where one
-    # contact carries nothing and wedges as soon as the other groove rises, that decides
-    known = 1e-13 * max(a)
+    # where contacts lock, and at the end of a dwell, where one contact carries nothing and wedges as soon as the
+    # other groove rises, the digits of a slope decide
+    known = SLOPE_KNOWN * max(*a, steepest_slope(mechanism))
     stops = mechanism.lower, mechanism.upper
 
     def beside(share, axial):
