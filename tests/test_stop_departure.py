@@ -40,9 +40,9 @@ def test_a_torque_that_holds_the_shaft_at_the_stop_before_it_turns(make_model, c
 
 @pytest.mark.parametrize("h", [2e-5, 4e-5, 1e-4])
 def test_energy_of_a_motion_that_has_hardly_begun(make_model, h):
-    """The motion begins half-way, where the torque exceeds the holding torque. Over 1e-11 rad the holding torque
-    is constant, so work and kinetic energy are integrals of polynomials. Energies of 1e-12 J are known to
-    the rounding of z: the preload times a rounding of the way to the upper stop."""
+    """The motion begins half-way, where the torque exceeds the holding torque. Over 1e-11 rad the holding
+    torque is constant, so work and kinetic energy are integrals of polynomials. Energies of 1e-12 J are known
+    to the rounding of z: the preload times a rounding of the way to the upper stop."""
     inertia = 1.0
     parameters = {
         "cam1.profile": 2,

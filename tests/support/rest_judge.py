@@ -145,8 +145,8 @@ def rests(fmu: Driver, mechanism, parameters) -> bool:
     rounding += 1e-15 * max(r) * size  # a groove that is level there is so to its digits
     reach = max((abs(edge) for edge in band(r, a, mu, 1.0) if math.isfinite(edge)), default=0.0)
     rounding += (reach + max(r)) * noise
-    # where contacts lock, and at the end of a dwell, where one contact carries nothing and wedges as soon as the
-    # other groove rises, the digits of a slope decide
+    # where contacts lock, and at the end of a dwell, where one contact carries nothing and wedges as soon as
+    # the other groove rises, the digits of a slope decide
     known = SLOPE_KNOWN * max(*a, steepest_slope(mechanism))
     stops = mechanism.lower, mechanism.upper
 
