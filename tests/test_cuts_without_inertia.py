@@ -249,3 +249,65 @@ def test_a_locked_contact_passes_the_place_where_a_groove_becomes_level(make_mod
     change = (tau[1] * h**2 / 2.0 + tau[2] * h**3 / 6.0) / damping
     assert fmu.get("mode") == RELEASING
     assert fmu.get("theta") - 2.0 * knot - above == pytest.approx(change, rel=NEAR)
+
+
+# Cam 1 has no friction, and that of cam 2 grows with the load: its contact locks at rest beyond some 200 N. A
+# pull that grows moves the follower, and the damper takes nearly all of the pull.
+HELD_BY_DAMPER = {
+    "cam1.radius": 0.01,
+    "cam2.radius": 0.011,
+    "cam1.lead_angle": 0.75,
+    "cam2.lead_angle": 0.69,
+    "cam1.friction": 0.0,
+    "cam2.friction": 0.02,
+    "cam2.friction_load": 1.0,
+    "cam2.friction_load_exponent": 0.7,
+    "spring.preload": 0.0,
+    "spring.stiffness": 0.0,
+    "damper.c_load": 5e4,
+    "contacts": 1,
+    "shaft.damping": 0.05,
+    "stop.lower": 0.0,
+    "stop.upper": 1.0,
+    "initial.theta": 0.1,
+}
+
+
+def speed_under_damper(pull):
+    """rad/s, by docs/mechanism.md, section 9: contact i passes on the torque r (a x + r q) and the axial
+    force r x - a q. The drag of the shaft gives x_2, both contacts pass on one torque, and the damper takes the
+    rest of the pull."""
+    a1, r, a = 0.01 * math.tan(0.75), 0.011, 0.011 * math.tan(0.69)
+    full = pull / (5e4 * a1 * a / (a1 + a))  # all of the pull at the damper
+
+    def missed_pull(omega):
+        drag = -0.05 * omega
+
+        def missed_drag(x):
+            return r * (a * x + r * friction(x)) - drag
+
+        def friction(x):
+            return 0.02 * (abs(x) * math.hypot(r, a)) ** 0.7 * abs(x)
+
+        x = brentq(missed_drag, 3.0 * drag / (r * a), 0.0, xtol=1e-14)
+        return drag / a1 + r * x - a * friction(x) + pull * (1.0 - omega / full)
+
+    return brentq(missed_pull, 0.0, full, xtol=1e-14)
+
+
+@pytest.mark.parametrize("cuts", CUTS)
+def test_a_pull_that_locks_at_rest_and_moves_a_damper_needs_inertia(make_model, cuts):
+    """Found by `./build.sh fuzz`: the mechanism wedged at full speed, where a step happened to end."""
+    pull = [-50.0, -5000.0]  # N, N/s
+    fmu = make_model(FORWARD).start(HELD_BY_DAMPER | {"inertia.shaft": 0.0})
+    with pytest.raises(AssertionError, match=r"rest and motion both balance .* inertia\.shaft must be > 0"):
+        run(fmu, 0.1, cuts, tau=[0.0], F_ext=pull)
+    light = make_model(FORWARD).start(HELD_BY_DAMPER | {"inertia.shaft": 1e-7})
+    run(light, 0.1, cuts, tau=[0.0], F_ext=pull)
+
+    way = solve_ivp(
+        lambda t, _: [speed_under_damper(-polynomial(pull, t))],
+        (0.0, 0.1), [0.1], method="DOP853", rtol=1e-9, atol=1e-12,
+    )  # fmt: skip
+    assert light.get("theta") == pytest.approx(way.y[0, -1], rel=1e-5)
+    assert light.get("mode") == LOADING

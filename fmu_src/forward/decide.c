@@ -347,11 +347,23 @@ static Decision decide(const Mechanism *m, LinearSlipMode *built) {
     return has_inertia(&m->params) && m->state.omega.hi != 0.0 ? decide_moving(m, built) : decide_at_rest(m, built);
 }
 
+/* Without inertia, contacts that lock at rest can carry a motion: with friction that varies with the speed, and with friction
+ * that grows with the load where dampers carry a part of the load. The decision looks at rest first. But hardly any inertia
+ * would keep the present motion (A. N. Tikhonov's theorem). Does the present motion go on where the contacts lock at rest? */
+COMPACT static bool rest_and_motion_balance(const Mechanism *m) {
+    const int direction = direction_of(m->state.mode);
+    LinearSlipMode unused;
+    return (any_friction_varies(&m->params) || m->model.friction_is_loaded) &&
+           kept_flanks(m, direction, &unused) >= 0 && angle_to_stop(m, direction) > 0.0 && stick_locks(m, direction);
+}
+
 Decision decision_of(const Mechanism *m) {
     LinearSlipMode storage;
-    if (!m->continuous) return decide(m, &storage);
     const Mode mode = m->state.mode;
-    return (Decision){.mode = mode, .slip_index = is_slip(mode) ? present_slip_index(m) : -1};
+    const Decision present = {.mode = mode, .slip_index = is_slip(mode) ? present_slip_index(m) : -1};
+    if (m->continuous) return present;
+    const Decision decision = decide(m, &storage);
+    return !is_slip(decision.mode) && rest_and_motion_balance(m) ? present : decision;
 }
 
 /* ---- entering a mode ---- */
@@ -426,16 +438,6 @@ static void enter(Mechanism *m, Decision decision) {
     }
     if (is_slip(decision.mode)) take_slip_flanks(state, decision.slip_index);
     else if (!has_inertia(&m->params)) state->omega = sum_of(0.0); /* with inertia a jam takes the speed */
-}
-
-/* Without inertia, and with friction that varies with the speed, contacts that lock at rest can carry a motion. The decision
- * looks at rest first. But hardly any inertia would keep the present motion (A. N. Tikhonov's theorem). Does the present
- * motion go on where the contacts lock at rest? */
-COMPACT static bool rest_and_motion_balance(const Mechanism *m) {
-    const int direction = direction_of(m->state.mode);
-    LinearSlipMode unused;
-    return any_friction_varies(&m->params) && kept_flanks(m, direction, &unused) >= 0 &&
-           angle_to_stop(m, direction) > 0.0 && stick_locks(m, direction);
 }
 
 bool enter_decided_mode(Mechanism *m) {
