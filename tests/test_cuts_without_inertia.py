@@ -275,8 +275,8 @@ HELD_BY_DAMPER = {
 
 def speed_under_damper(pull):
     """rad/s, by docs/mechanism.md, section 9: contact i passes on the torque r (a x + r q) and the axial
-    force r x - a q. The drag of the shaft gives x_2, both contacts pass on one torque, and the damper takes the
-    rest of the pull."""
+    force r x - a q. The drag of the shaft gives x_2, both contacts pass on one torque, and the damper takes
+    the rest of the pull."""
     a1, r, a = 0.01 * math.tan(0.75), 0.011, 0.011 * math.tan(0.69)
     full = pull / (5e4 * a1 * a / (a1 + a))  # all of the pull at the damper
 

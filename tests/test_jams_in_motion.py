@@ -10,6 +10,7 @@ from itertools import pairwise, product
 import numpy as np
 import pytest
 from driver import OK, models
+from reference import write_table
 from reference.grooves import Ellipse
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
@@ -241,3 +242,54 @@ def test_a_shaft_that_no_flanks_can_drive_stops(make_model):
     theta, speed = motion.angle(motion.turn), -motion.parameters()["initial.omega"]
     found = [motion.run(make_model(FORWARD), cuts) for cuts in cuts_of(motion)]
     assert found == [[pytest.approx(theta, abs=1.1e-3 * motion.turn * speed), 0.0]] * len(found)
+
+
+class Dwell:
+    """The shaft turns the follower back along a dwell of cam 1, on which no friction acts. Friction locks the
+    helix of cam 2. Where the dwell ends, gamma' = a_2/(a_1 + a_2) falls: cam 2 begins to turn in the
+    follower. The follower's inertia I asks contact 2 for the torque -J alpha = J I gamma'' omega^2/(J + I).
+    This torque is positive. The torque r_2 (a_2 x - mu r_2 |x|) of the locked contact is negative on both
+    flanks: no motion goes on."""
+
+    psi = tuple(0.56 * k for k in (-2, -1, 0, 1, 2, 3, 4, 5, 6))
+    z = (-1e-6, 0.0, 0.0, 0.0, 1e-6, 5.63e-4, 5.63e-4, 5.65e-4, 5.65e-4)
+    r, lead, mu, end = 0.04, 0.25, 0.303, 0.1
+
+    def parameters(self, path):
+        write_table(path, self.psi, self.z)
+        assert self.mu > math.tan(self.lead)
+        return {
+            "cam1.profile": 3,
+            "cam1.table": str(path),
+            "cam1.radius": 0.01,
+            "cam1.friction": 0.0,
+            "cam2.radius": self.r,
+            "cam2.lead_angle": self.lead,
+            "cam2.friction": self.mu,
+            "inertia.shaft": 1e-4,
+            "inertia.follower": 2.4e-4,
+            "spring.preload": 0.0,
+            "spring.stiffness": 0.0,
+            "stop.lower": -1.1,
+            "stop.upper": 3.3,
+            "initial.theta": 3.1,
+            "initial.omega": -7.0,
+        }
+
+    def angle(self):
+        """rad: psi_1 at the end of the dwell, and that of the height z on the helix."""
+        return self.psi[-2] + self.z[-1] / (self.r * math.tan(self.lead))
+
+
+def test_a_follower_that_a_locked_contact_cannot_turn_stops_at_the_end_of_a_dwell(make_model, tmp_path):
+    """Found by `./build.sh fuzz`: a long step went on, since the load of contact 2 was on its flank again at
+    the end of the step."""
+    dwell, found = Dwell(), []
+    for cuts in [[0.0, dwell.end], *random_cuts(dwell.end, 20)]:
+        fmu = make_model(FORWARD).start(dwell.parameters(tmp_path / "dwell.csv"))
+        for begin, end in pairwise(cuts):
+            fmu.set({"F_ext": -1.0 - 50.0 * begin})
+            fmu.set_derivatives({"F_ext": [-50.0]})
+            step(fmu, begin, end)
+        found.append([fmu.get("omega"), fmu.get("theta")])
+    assert found == [[0.0, pytest.approx(dwell.angle(), rel=1e-9)]] * len(found)

@@ -180,8 +180,13 @@ static double polynomial_crossing(const SegmentLimits *limits, StepIndicator ind
     p.c[0] = p.c[1] = 0.0;
     x = bernstein_descent(&p);
     if (!(x < CROSSING_AT_ONCE)) return x;
-    if (!(v.value[step->method->stages] < -step_indicator_allowance(limits, indicator, step)))
-        return indicator == STEP_SPEED && v.low < -CROSSING_DIP * v.high ? CROSSING_UNRESOLVED : INFINITY;
+    const int stages = step->method->stages;
+    const double allowance = step_indicator_allowance(limits, indicator, step);
+    radau_find_range(&v, stages); /* rounding is zero now */
+    if (!(v.value[stages] < -allowance)) {
+        const bool may_dip = indicator == STEP_SPEED || step_indicator_is_flank(indicator);
+        return may_dip && v.low < -max_of(allowance, CROSSING_DIP * v.high) ? CROSSING_UNRESOLVED : INFINITY;
+    }
     if (step_indicator_is_flank(indicator)) return CROSSING_AT_ONCE;
     return indicator == STEP_SPEED ? x : CROSSING_UNRESOLVED;
 }

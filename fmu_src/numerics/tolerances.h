@@ -275,7 +275,7 @@ static const double STEP_LEVEL = 0.01;
 
 /* Event location */
 /* Shares: of the step before which a crossing of an indicator that starts from zero is rounding, since the mode decision
- * has found the indicator to rise; of the largest speed, below which the speed does not dip then in a step that sees it. */
+ * has found the indicator to rise; of the largest value, below which a value within the step does not count as a dip. */
 static const double CROSSING_AT_ONCE = 1e-9, CROSSING_DIP = 1e-9;
 
 /* A reaction that the mode decision counts as zero leaves its flank this many times the decision's rounding below zero. */
