@@ -10,6 +10,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from driver import models
+from reference import DOUBLE, Mechanism
 from reference.friction import FrictionLaw, LoadedContact
 from reference.parameters import DEFAULTS
 from scipy.integrate import solve_ivp
@@ -132,6 +133,43 @@ def test_efficiency_is_0_where_no_torque_moves_the_mechanism(make_model, model):
     fmu = make_model(model).start(p | {"F_ext": F_0})
     assert (fmu.get("torque_load"), fmu.get("torque_release")) == (math.inf, -math.inf)
     assert fmu.get("efficiency") == 0.0
+
+
+# ---- the edges of random mechanisms ----
+
+
+def random_mechanism(rng):
+    """Radii, lead angles and laws over some decades, under the preload alone."""
+
+    def decades(low, high):
+        return float(10.0 ** rng.uniform(low, high))
+
+    p = FREE | {"spring.preload": decades(-2, 3), "inertia.shaft": 1.0, "stop.upper": 0.1}
+    for i in (1, 2):
+        lead = float(rng.choice([rng.uniform(0.05, 1.4), decades(-6, -1)]))
+        friction = float(rng.choice([0.0, rng.uniform(0.0, 1.5), decades(-4, 0)]))
+        p |= cam(i, decades(-2.5, -0.3), lead, friction, float(rng.uniform(-0.9, 0.9)), decades(-1, 4))
+        if rng.random() < 0.5:
+            p |= {f"cam{i}.friction_peak": 1.0 + decades(-2, 0.5), f"cam{i}.stribeck_velocity": 0.1}
+    return p
+
+
+@pytest.mark.parametrize("number", range(40))
+def test_edges_of_random_mechanisms(make_model, number):
+    """Beside the reference, which samples both reactions on each pair of flanks. It leaves out reactions of
+    more than 1e4 F_0, under which friction that grows with the load locks contacts."""
+    p = random_mechanism(np.random.default_rng([number, 7]))
+    fmu = make_model(FORWARD)
+    try:
+        fmu.start(p)
+    except AssertionError:
+        assert "jam when loading" in fmu.messages[-1].text
+        return
+    mechanism, F_0 = Mechanism(p, DOUBLE), p["spring.preload"]
+    for direction, name in ((1, "torque_load"), (-1, "torque_release")):
+        ratio = mechanism.static_ratio(mechanism.groove.at(0.0), direction, F_0)
+        if ratio is not None:
+            assert fmu.get(name) == pytest.approx(ratio * F_0, rel=1e-7, abs=1e-14 * F_0)
 
 
 # ---- rest that ends where an answer appears ----

@@ -436,8 +436,25 @@ static LoadedPin pin_at_rest(const Params *params, const Geometry *g, int direct
     };
 }
 
-/* A pair of flanks carries F_0 > 0 if the reactions have the signs of the flanks. The first pass takes Newton's method, the
- * second one, where no pair carries, the search. */
+/* Does friction lock both contacts under all of F_0 > 0, or none? On the flanks that support F_0 the contacts share F_0, and
+ * from one end of the shares to the other the difference of their torques changes its sign: there is an answer. */
+COMPACT static bool lock_alike(const LoadedPin *pin, double F_0) {
+    bool locks[2];
+    for (int i = 0; i < 2; i++) {
+        const CamParams *cam = &pin->params->cam[i];
+        const double R = F_0 / cam->radius * loaded_pin_reaction(pin, i);
+        locks[i] = friction_under(cam, 0.0, R).value * cam->radius > pin->slope[i];
+    }
+    return locks[0] == locks[1];
+}
+
+static bool carries(const LoadedPin *pin, const LoadedContacts *c) {
+    return c->possible && is_on_flanks(pin, c);
+}
+
+/* A pair of flanks carries F_0 > 0 if the reactions have the signs of the flanks. The first pass takes Newton's method, and
+ * the search for the flanks that support F_0 if these have an answer. The second pass, where no pair carries, takes the
+ * search. */
 COMPACT static bool loaded_edge(const Params *params, Geometry *g, double F_0, int direction, int flank[2],
                                 Transfer *transfer, Work *work) {
     const int candidates = direction > 0 ? 1 : FLANK_PAIR_COUNT - 1;
@@ -445,10 +462,11 @@ COMPACT static bool loaded_edge(const Params *params, Geometry *g, double F_0, i
     for (int k = 0; k < 2 * candidates; k++) {
         flank_pair(k % candidates, 1, flank);
         const LoadedPin pin = pin_at_rest(params, g, direction, flank, work);
-        LoadedContacts c;
+        LoadedContacts c = {.possible = false};
         if (k < candidates) loaded_contacts_under(&pin, &loads, &c);
-        else search_on_flanks(&pin, &loads, &c);
-        if (!c.possible || !is_on_flanks(&pin, &c)) continue;
+        if (!carries(&pin, &c) && (k >= candidates || (k == 0 && lock_alike(&pin, F_0))))
+            search_on_flanks(&pin, &loads, &c);
+        if (!carries(&pin, &c)) continue;
         for (int i = 0; i < 2; i++) g->friction[i] = c.mu[i].value;
         *transfer = contact_transfer(g, direction, flank);
         transfer->rho_rate = c.tangent.p / c.tangent.delta;

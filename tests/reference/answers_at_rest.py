@@ -17,7 +17,8 @@ def answers_at_rest(
 ) -> Iterator[Pair]:
     """x_1 and x_2 on their flanks, N/m, that bear the axial force > 0, N. friction(i, x): the friction force
     f_i x_i of contact i, 0 or 1, N/m. A contact that bears next to nothing hides between two samples of the
-    other reaction: both are sampled."""
+    other reaction: both are sampled. Answers beyond 1e4 times the load are left out: the rounding of the
+    reactions hides the load there, and friction that grows with the load locks contacts."""
     yield from _by_samples(radii, slopes, axial, flanks, friction, 1)
     yield from _by_samples(radii, slopes, axial, flanks, friction, 0)
 
@@ -46,7 +47,7 @@ def _by_samples(
         other, q = balanced(flanks[i] * math.exp(log_x))
         return q - friction(j, other)
 
-    grid = np.linspace(math.log(1e-12 * axial / r), math.log(1e12 * axial / r), 248)
+    grid = np.linspace(math.log(1e-12 * axial / r), math.log(1e4 * axial / r), 168)
     values = [missed(x) for x in grid]
     steps = zip(pairwise(grid), pairwise(values), strict=True)
     for low, high in (ends for ends, (before, after) in steps if before * after <= 0):

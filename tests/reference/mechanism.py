@@ -161,11 +161,14 @@ class Mechanism:
     def static_ratio(self, kin: Kinematics, direction: int, f0: Number | None = None) -> Number | None:
         """Edge of the stick band per unit of F_0 > 0 for motion in `direction`; None if no torque starts it.
         F_0 < 0 mirrors: the ratio for (sigma, F_0) is that for direction sigma * sign(F_0). Where friction
-        depends on the load, the ratio is that under |f0|. Friction that grows with the load can lock contacts
-        under reactions far beyond the load: of several edges that with the smallest reactions counts."""
-        order = [(1, 1), (1, -1), (-1, 1), (-1, -1)] if direction < 0 else [(1, 1)]
-        found: list[tuple[Number, Number]] = []  # the larger reaction per force, the ratio
-        for e in order:
+        depends on the load, the ratio is that under |f0|."""
+        return next(iter(self.static_ratios(kin, direction, f0)), None)
+
+    def static_ratios(self, kin: Kinematics, direction: int, f0: Number | None = None) -> list[Number]:
+        """Those of all pairs of flanks: of the flanks that support F_0 first, then the largest first, which a
+        torque that falls reaches first. Without a law over the load the first one alone."""
+        found: list[tuple[tuple[int, int], Number]] = []
+        for e in [(1, 1), (1, -1), (-1, 1), (-1, -1)] if direction < 0 else [(1, 1)]:
             q = self.balance(kin, Slip(direction, e))
             if self.is_loaded and f0 is not None:
                 loaded = self._loaded_edge(kin, Slip(direction, e), abs(f0))
@@ -176,10 +179,10 @@ class Mechanism:
                 continue
             x1, x2 = self.r2 * q.n2 / q.delta, self.r1 * q.n1 / q.delta
             if (e[0] * x1 >= 0 or self.mu1 == 0) and (e[1] * x2 >= 0 or self.mu2 == 0):
+                found.append((e, q.product / q.delta))
                 if not self.is_loaded:
-                    return q.product / q.delta
-                found.append((max(self.r1 * abs(x1), self.r2 * abs(x2)), q.product / q.delta))
-        return min(found)[1] if found else None
+                    break
+        return [ratio for _, ratio in sorted(found, key=lambda one: (one[0] != (1, 1), -one[1]))]
 
     def load(self, kin: Kinematics, slip: Slip, omega: Number, tau: Number, f_ext: Number) -> Load:
         """Acceleration (with inertia) or speed (without) and the contact loads, by elimination."""

@@ -42,11 +42,14 @@ def band(r, a, mu, force):
     return edges
 
 
-def loaded_band(mechanism, theta, force, steeper):
-    """The same where friction depends on the load, by the reference. `steeper`: m/rad, on both slopes."""
+def loaded_band(mechanism, theta, force, steeper, widest):
+    """The same where friction depends on the load, by the reference. `steeper`: m/rad, on both slopes. Of
+    several edges the first one, or with `widest` the one farthest from the other edge: between both, contacts
+    hold a torque that a motion balances, too."""
     kin, s = mechanism.groove.at(theta), 1 if force >= 0.0 else -1
     kin = kin._replace(a1=kin.a1 + steeper, a2=kin.a2 + steeper)
-    ratios = [mechanism.static_ratio(kin, way * s, force) for way in (-1, 1)]
+    found = [mechanism.static_ratios(kin, way * s, force) for way in (-1, 1)]
+    ratios = [(min(edges) if widest else edges[0]) if edges else None for edges in found]
     return [way * math.inf if x is None else x * force for way, x in zip((-1, 1), ratios, strict=True)]
 
 
@@ -128,7 +131,7 @@ def rests(fmu: Driver, mechanism, parameters) -> bool:
 
     def edges(force, steeper=0.0, angle=theta):
         if mechanism.is_loaded:
-            return loaded_band(mechanism, angle, force, steeper)
+            return loaded_band(mechanism, angle, force, steeper, mode not in (LOWER_STOP, UPPER_STOP))
         here = mechanism.groove.at(angle)
         return band(r, [slope + steeper for slope in (here.a1, here.a2)], mu, force)
 
