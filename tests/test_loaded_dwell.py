@@ -1,4 +1,4 @@
-"""Friction that depends on the load, on a dwell of cam 1 without friction there.
+"""Friction that depends on the load, on a dwell. First: of cam 1, without friction there.
 
 The level groove passes no torque, so the follower turns with the shaft, and contact 2 bears I alpha alone.
 Whatever its friction, (J + I) alpha = tau - b omega. From rest, with T = (J + I)/b and w = tau/b,
@@ -13,6 +13,7 @@ import math
 import pytest
 from driver import FORWARD
 from reference import LOADING, RELEASING, write_table
+from scipy.integrate import quad
 
 KNOTS = [-0.37712288276247774 + k * 0.14369745055544070 for k in range(5)]  # rad; no double is a sum of these
 HEIGHTS = [0.0, 4.25e-6, 4.013e-5, 4.013e-5, 4.05e-5]  # m
@@ -125,3 +126,68 @@ def test_a_contact_takes_the_flank_that_its_load_grows_to(make_model, dwell, sce
     assert fmu.get("theta") == pytest.approx(
         end, rel=NEAR, abs=slope * abs(force) / parameters["shaft.damping"] * beyond
     )
+
+
+class LevelCam2:
+    """Cam 2 is level and turns in the follower, which cam 1 holds. A pull F(t) < 0 fades. Contact 2 passes on
+    friction alone, a torque >= 0. Friction that grows with the load locks contact 1 as long as the coefficient
+    exceeds tan(lead). Below that load the torque of contact 1 is negative: no pair of flanks has an answer. The
+    contacts jam, although F is zero 8e-8 s later."""
+
+    radius, lead, mu, exponent, speed, end = 3e-3, 5e-4, 4e-3, 0.5, 0.5, 0.03
+    start, rate = -400.0, 2e5  # N, N/s
+
+    def parameters(self, path):
+        write_table(path, [-0.5, 0.0, 1.0, 1.5], [-1e-3, 0.0, 0.0, 1e-3])
+        return {
+            "cam1.radius": self.radius,
+            "cam1.lead_angle": self.lead,
+            "cam1.friction": self.mu,
+            "cam1.friction_load": 1.0,
+            "cam1.friction_load_exponent": self.exponent,
+            "cam2.profile": 3,
+            "cam2.table": str(path),
+            "cam2.radius": 0.2,
+            "cam2.friction": 0.3,
+            "inertia.shaft": 1.0,
+            "spring.preload": 0.0,
+            "spring.stiffness": 0.0,
+            "contacts": 1,
+            "stop.upper": 1.0,
+            "initial.theta": 0.1,
+            "initial.omega": self.speed,
+        }
+
+    def jam(self):
+        """s: R = F_load (tan(lead)/mu)^(1/nu), and F = -R/cos(lead) there."""
+        reaction = (math.tan(self.lead) / self.mu) ** (1.0 / self.exponent)
+        return (-reaction / math.cos(self.lead) - self.start) / self.rate
+
+    def torque(self, t):
+        """N.m, by which contact 1 brakes: r (a + f r) x with the axial force (r - a f) x = F."""
+        load, rise = -(self.start + self.rate * t), math.tan(self.lead)
+        reaction = load
+        for _ in range(60):  # R = F cos(lead)^-1/(1 + mu tan(lead)) converges: the exponent is below 1
+            mu = self.mu * reaction**self.exponent
+            reaction = load / (math.cos(self.lead) * (1.0 + mu * rise))
+        return self.radius * load * (mu - rise) / (1.0 + mu * rise)
+
+    def angle(self):
+        """rad, at the jam; J = 1 kg.m2."""
+        t = self.jam()
+        braked = quad(lambda s: (t - s) * self.torque(s), 0.0, t, epsabs=1e-14)[0]
+        return 0.1 + self.speed * t - braked
+
+
+@pytest.mark.parametrize("parts", [1, 2, 3, 5, 7, 64])
+def test_contacts_jam_shortly_before_the_load_is_zero(make_model, tmp_path, parts):
+    """Found by `./build.sh fuzz`: the load of contact 1, which is zero just after, hid that of contact 2."""
+    scene = LevelCam2()
+    fmu = make_model(FORWARD).start(scene.parameters(tmp_path / "level.csv"))
+    for k in range(parts):
+        begin, h = k / parts * scene.end, scene.end / parts
+        fmu.set({"F_ext": scene.start + scene.rate * begin})
+        fmu.set_derivatives({"F_ext": [scene.rate]})
+        fmu.step(h)
+    assert fmu.get("omega") == 0.0
+    assert fmu.get("theta") == pytest.approx(scene.angle(), abs=NEAR)

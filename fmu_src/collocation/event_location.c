@@ -189,6 +189,25 @@ static bool ends_at_stop(const SegmentLimits *limits, const RadauStep *step) {
     return step_indicator_at_end(limits, STEP_TO_STOP, step) >= -angle_tolerance(p);
 }
 
+/* Near load zero the law of a friction coefficient over the load is no polynomial of the time: the other reaction can pass
+ * zero just before the located one, behind the last node. Shortens the step to end where the other reaction is off its
+ * flank. */
+COMPACT static bool other_has_left(const SegmentLimits *limits, StepIndicator indicator, RadauStep *step) {
+    if (!limits->slip->friction_is_loaded) return false;
+    const StepIndicator other = indicator == STEP_FLANK_1 ? STEP_FLANK_2 : STEP_FLANK_1;
+    const RadauStep landed = *step;
+    SlipMode slip = *limits->slip;
+    slip.to_rounding = true;
+    double share = LOCATION_CLOSER;
+    for (int n = 0; n < LOCATION_LOOKS_BACK; n++, share *= LOCATION_CLOSER) {
+        const double h = landed.h * (1.0 - share);
+        if (radau_step_solve(&slip, &landed.start, h, landed.method->stages, step) && is_off_flank(limits, other, step))
+            return true;
+    }
+    *step = landed;
+    return false;
+}
+
 /* ---- the first event ---- */
 
 static bool must_step_past(const SegmentLimits *limits, StepIndicator indicator) {
@@ -225,6 +244,9 @@ static bool end_on_first_event(const SegmentLimits *limits, const StopAhead *sto
         const CrossingResult result = end_on_crossing(limits, first, x, step);
         const bool lost =
             result == CROSSING_REACHED && step_indicator_is_flank(first) && ends_on_loss(limits, first, step);
+        if (result == CROSSING_REACHED && !lost && step_indicator_is_flank(first) &&
+            other_has_left(limits, first, step))
+            continue;
         if (result == CROSSING_REACHED && !lost && must_step_past(limits, first)) step_past_zero(limits, first, step);
         *solved = step->h;
         if (result == CROSSING_BLOCKED) return false;

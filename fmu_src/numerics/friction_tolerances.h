@@ -56,6 +56,10 @@ static const double LOADED_REST_CHANGE = 1e-6;
  * of a reaction, above which the reaction is not zero there. */
 static const double LOCATION_LOSS = 64.0 * DBL_EPSILON, LOCATION_LOST_SHARE = 1e-6;
 
+/* Before a change of flanks the other reaction is looked at, each time this factor closer to the event. */
+static const double LOCATION_CLOSER = 0.1;
+enum { LOCATION_LOOKS_BACK = 8 };
+
 /* Share of the loads up to which a change of an input from step to step is none. */
 static const double INPUT_JUMP = 0.1;
 

@@ -135,8 +135,9 @@ def rests(fmu: Driver, mechanism, parameters) -> bool:
         here = mechanism.groove.at(angle)
         return band(r, [slope + steeper for slope in (here.a1, here.a2)], mu, force)
 
-    # z is known to 1e-13 of the whole way, with a tie of twice that: matters where the force is small
-    doubt = 3e-13 * mechanism.reach
+    # z is known to 1e-13 of the whole way. The tie is twice that, for the edge and the frictionless torque.
+    # That matters where the force is small.
+    doubt = 4e-13 * mechanism.reach
     noise = sum(abs(c) * ((abs(z) + doubt) ** i - abs(z) ** i) for i, c in enumerate(k))
     # contacts that lock under one sign of F_0 may not under the other one
     least = 4 * EPS * size + noise
