@@ -130,9 +130,9 @@ def test_a_contact_takes_the_flank_that_its_load_grows_to(make_model, dwell, sce
 
 class LevelCam2:
     """Cam 2 is level and turns in the follower, which cam 1 holds. A pull F(t) < 0 fades. Contact 2 passes on
-    friction alone, a torque >= 0. Friction that grows with the load locks contact 1 as long as the coefficient
-    exceeds tan(lead). Below that load the torque of contact 1 is negative: no pair of flanks has an answer. The
-    contacts jam, although F is zero 8e-8 s later."""
+    friction alone, a torque >= 0. Friction that grows with the load locks contact 1 while the coefficient
+    exceeds tan(lead). Below that load contact 1 asks for a negative torque: no pair of flanks has an answer.
+    The contacts jam, although F is zero 8e-8 s later."""
 
     radius, lead, mu, exponent, speed, end = 3e-3, 5e-4, 4e-3, 0.5, 0.5, 0.03
     start, rate = -400.0, 2e5  # N, N/s
