@@ -158,7 +158,8 @@ COMPACT static void extrapolate_contacts(const SlipMode *slip, const Balance *no
         visible = false;
         for (int i = 0; i < 2; i++) {
             /* The terms of x_i grow as well, and their rounding with them. */
-            if (!is_visible(x[i], candidate->size[i].value + dt * candidate->size[i].rate)) continue;
+            const double size = candidate->size[i].value + dt * candidate->size[i].rate;
+            if (!is_visible(x[i], CANDIDATE_COARSE * size)) continue;
             visible = true;
             candidate->contact[i].second = x[i];
             visible_at[i] = dt;
