@@ -448,10 +448,6 @@ COMPACT static bool lock_alike(const LoadedPin *pin, double F_0) {
     return locks[0] == locks[1];
 }
 
-static bool carries(const LoadedPin *pin, const LoadedContacts *c) {
-    return c->possible && is_on_flanks(pin, c);
-}
-
 /* A pair of flanks carries F_0 > 0 if the reactions have the signs of the flanks. The first pass takes Newton's method, and
  * the search for the flanks that support F_0 if these have an answer. The second pass, where no pair carries, takes the
  * search. */
@@ -464,9 +460,9 @@ COMPACT static bool loaded_edge(const Params *params, Geometry *g, double F_0, i
         const LoadedPin pin = pin_at_rest(params, g, direction, flank, work);
         LoadedContacts c = {.possible = false};
         if (k < candidates) loaded_contacts_under(&pin, &loads, &c);
-        if (!carries(&pin, &c) && (k >= candidates || (k == 0 && lock_alike(&pin, F_0))))
-            search_on_flanks(&pin, &loads, &c);
-        if (!carries(&pin, &c)) continue;
+        const bool searches = k >= candidates || (k == 0 && lock_alike(&pin, F_0));
+        if (searches && rank_of(&pin, NULL, &c) == ANSWER_NONE) search_on_flanks(&pin, &loads, &c);
+        if (rank_of(&pin, NULL, &c) == ANSWER_NONE) continue;
         for (int i = 0; i < 2; i++) g->friction[i] = c.mu[i].value;
         *transfer = contact_transfer(g, direction, flank);
         transfer->rho_rate = c.tangent.p / c.tangent.delta;
