@@ -303,7 +303,7 @@ def test_a_pull_that_locks_at_rest_and_moves_a_damper_needs_inertia(make_model, 
     with pytest.raises(AssertionError, match=r"rest and motion both balance .* inertia\.shaft must be > 0"):
         run(fmu, 0.1, cuts, tau=[0.0], F_ext=pull)
     if len(cuts) > 10:  # the last step that is accepted ends in motion
-        assert fmu.get("omega") > 1.0 and fmu.get("mode") == LOADING
+        assert fmu.get("omega") > 0.5 and fmu.get("mode") == LOADING
     light = make_model(FORWARD).start(HELD_BY_DAMPER | {"inertia.shaft": 1e-7})
     run(light, 0.1, cuts, tau=[0.0], F_ext=pull)
 
