@@ -17,6 +17,13 @@ from reference import LOADING, STICK, WEDGED, write_table
 CUTS = [[], [0.3], [0.01, 0.2, 0.45, 0.99], list(np.arange(1, 50) / 50)]
 NEAR = 1e-9  # the default tolerance
 TIE = 2e-12  # a smaller share of the terms of a balance of torques counts as zero
+ENERGIES = [
+    "work_in",
+    "work_ext",
+    "spring",
+    "kinetic",
+    *(f"heat_{i}" for i in ("cam1", "cam2", "damper", "shaft")),
+]
 SCENES = json.loads((Path(__file__).parent / "data" / "cut_scenes.json").read_text())
 
 
@@ -258,7 +265,8 @@ def test_contacts_at_the_end_of_a_dwell_let_a_torque_go_back(make_model, ends, p
 
 @pytest.mark.parametrize("scene", SCENES, ids=lambda scene: f"{scene['cause']}-{scene['scene']}")
 def test_scenes_do_not_depend_on_cuts(make_model, tmp_path, scene):
-    """Angle, mode and speed agree to ten times the tolerance, of the larger stop and of the fastest speed."""
+    """Angle, mode and speed agree to ten times the tolerance, of the larger stop and of the fastest speed.
+    The residual of the energies is a millionth of those turned over, and the rounding of the angle."""
     parameters = dict(scene["parameters"])
     for i in (1, 2):
         if f"cam{i}.table" in parameters:
@@ -275,9 +283,13 @@ def test_scenes_do_not_depend_on_cuts(make_model, tmp_path, scene):
         for h, taus, forces in scene["curves"]:
             tau = [scene["torque_unit"] * u / h**k for k, u in enumerate(taus)]
             run(fmu, h, cuts, tau=tau, F_ext=[u / h**k for k, u in enumerate(forces)])
-        ends.append({name: fmu.get(name) for name in ("theta", "omega", "mode")})
+        ends.append({name: fmu.get(name) for name in ("theta", "omega", "mode", "energy.residual")})
+    turned_over = sum(abs(fmu.get(f"energy.{name}")) for name in ENERGIES)
     way, speed = max(map(abs, (fmu.get("stop.lower"), fmu.get("stop.upper")))), fmu.get("peak.omega")
     for end in ends[1:]:
         assert end["mode"] == ends[0]["mode"]
         assert end["theta"] == pytest.approx(ends[0]["theta"], abs=10.0 * NEAR * way)
         assert end["omega"] == pytest.approx(ends[0]["omega"], abs=10.0 * NEAR * speed)
+    for end in ends:
+        rounding = 1e-14 * fmu.get("peak.torque") * way
+        assert abs(end["energy.residual"]) <= 1e-6 * turned_over + rounding

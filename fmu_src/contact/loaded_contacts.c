@@ -313,10 +313,10 @@ COMPACT static void solve(const LoadedPin *pin, const LoadTerms *loads, const Lo
     begin(pin, loads, by_alpha, c);
     const double size = size_of(pin, c, 1);
     iterate(pin, loads, by_alpha, c);
-    if (c->possible && by_alpha == NULL) return;
     const bool off = c->possible && !is_on_flanks(pin, c);
+    if (by_alpha == NULL && c->possible && !(off && pin->searches)) return;
     Answer best = {rank_of(pin, by_alpha, c), *c};
-    if (off ? inertia_of(by_alpha, c) > 0.0 && c->single && !pin->searches : best.rank == ANSWER_SETTLES) return;
+    if (off ? !pin->searches && inertia_of(by_alpha, c) > 0.0 && c->single : best.rank == ANSWER_SETTLES) return;
     const Elimination second = {pin, loads, by_alpha, 1};
     if (by_alpha != NULL && by_alpha->torque == 0.0) search_without_shaft(pin, loads, by_alpha, &best);
     else search(&second, size, LOADED_SEARCH_SAMPLES, &best);
