@@ -105,15 +105,6 @@ def test_rare_ways_do_not_depend_on_cuts(name, libraries, tmp_path):
     assert verdict.judged and not verdict.problems
 
 
-def test_small_reactions_on_their_flanks_are_not_lost(libraries, tmp_path):
-    """Newton's method has found them: a search among further answers would take another one, by cuts."""
-    scene = random_load(Tables(tmp_path), 178)
-    whole, cut = (drive(libraries[False], replace(scene, steps=steps)).read[-1] for steps in (1, 7))
-    assert [cut[name] for name in ("theta", "omega")] == pytest.approx(
-        [whole[name] for name in ("theta", "omega")], rel=1e-7
-    )
-
-
 def test_grooves_of_too_many_polynomials_are_refused(libraries, tmp_path):
     trace = drive(libraries[False], random_load(Tables(tmp_path), 329))
     assert "describing the grooves in between takes more than" in trace.refusal and not trace.problems
