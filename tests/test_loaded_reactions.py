@@ -6,17 +6,12 @@ bisection.
 """
 
 import math
-from dataclasses import replace
 
 import pytest
 from driver import OK, models
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 from test_friction_jams import run
-
-from benchmarks.stress.drive import drive
-from benchmarks.stress.laws import random_load
-from benchmarks.stress.mechanisms import Tables
 
 FORWARD = models["DualCamForward"]
 
@@ -123,21 +118,3 @@ def test_a_motion_without_inertia_of_the_shaft_keeps_its_flanks(make_model, mass
     assert fmu.get("theta") == 0.0
     assert run(fmu, end, pieces, (tau, 0.0), (0.0, 0.0)) == OK
     assert fmu.get("theta") == pytest.approx(angle_of_locked(tau, end, mass), rel=1e-8)
-
-
-# ---- random scenes that need the right answer of the balance ----
-
-
-@pytest.mark.parametrize(
-    "number",
-    [
-        pytest.param(178, id="small reactions that Newton's method has found are not lost"),
-        pytest.param(1002, id="without inertia of the shaft both reactions are searched"),
-    ],
-)
-def test_answers_do_not_depend_on_the_steps(libraries, tmp_path, number):
-    scene = random_load(Tables(tmp_path), number)
-    whole, cut = (drive(libraries["DualCamForward"], replace(scene, steps=steps)) for steps in (1, 7))
-    assert not whole.refusal and not cut.refusal
-    for name in ("theta", "omega"):
-        assert cut.read[-1][name] == pytest.approx(whole.read[-1][name], rel=1e-7)

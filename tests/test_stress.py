@@ -5,6 +5,7 @@ from dataclasses import replace
 import general_scenes
 import numpy as np
 import pytest
+from driver import load
 
 from benchmarks.stress import forces, judges
 from benchmarks.stress.at_random import random_scene
@@ -103,6 +104,23 @@ def test_rare_ways_do_not_depend_on_cuts(name, libraries, tmp_path):
     make, number = RARE[name]
     verdict = judge(make(Tables(tmp_path), number), libraries)
     assert verdict.judged and not verdict.problems
+
+
+@pytest.mark.parametrize(
+    "number",
+    [
+        pytest.param(178, id="small reactions that Newton's method has found are not lost"),
+        pytest.param(1002, id="without inertia of the shaft both reactions are searched"),
+    ],
+)
+def test_answers_do_not_depend_on_the_steps(binaries, tmp_path, number):
+    """In the library of the FMU itself."""
+    library = load(binaries["DualCamForward"])
+    scene = random_load(Tables(tmp_path), number)
+    whole, cut = (drive(library, replace(scene, steps=steps)) for steps in (1, 7))
+    assert not whole.refusal and not cut.refusal
+    for name in ("theta", "omega"):
+        assert cut.read[-1][name] == pytest.approx(whole.read[-1][name], rel=1e-7)
 
 
 def test_grooves_of_too_many_polynomials_are_refused(libraries, tmp_path):
