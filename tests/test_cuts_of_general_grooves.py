@@ -17,13 +17,7 @@ from reference import LOADING, STICK, WEDGED, write_table
 CUTS = [[], [0.3], [0.01, 0.2, 0.45, 0.99], list(np.arange(1, 50) / 50)]
 NEAR = 1e-9  # the default tolerance
 TIE = 2e-12  # a smaller share of the terms of a balance of torques counts as zero
-ENERGIES = [
-    "work_in",
-    "work_ext",
-    "spring",
-    "kinetic",
-    *(f"heat_{i}" for i in ("cam1", "cam2", "damper", "shaft")),
-]
+ENERGIES = ["work_in", "work_ext", "spring", "kinetic", "heat_cam1", "heat_cam2", "heat_damper", "heat_shaft"]
 SCENES = json.loads((Path(__file__).parent / "data" / "cut_scenes.json").read_text())
 
 

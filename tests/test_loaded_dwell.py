@@ -14,6 +14,7 @@ import pytest
 from driver import FORWARD
 from reference import LOADING, RELEASING, write_table
 from scipy.integrate import quad
+from test_cuts_of_general_grooves import run
 
 KNOTS = [-0.37712288276247774 + k * 0.14369745055544070 for k in range(5)]  # rad; no double is a sum of these
 HEIGHTS = [0.0, 4.25e-6, 4.013e-5, 4.013e-5, 4.05e-5]  # m
@@ -184,10 +185,6 @@ def test_contacts_jam_shortly_before_the_load_is_zero(make_model, tmp_path, part
     """Found by `./build.sh fuzz`: the load of contact 1, which is zero just after, hid that of contact 2."""
     scene = LevelCam2()
     fmu = make_model(FORWARD).start(scene.parameters(tmp_path / "level.csv"))
-    for k in range(parts):
-        begin, h = k / parts * scene.end, scene.end / parts
-        fmu.set({"F_ext": scene.start + scene.rate * begin})
-        fmu.set_derivatives({"F_ext": [scene.rate]})
-        fmu.step(h)
+    run(fmu, scene.end, [k / parts for k in range(1, parts)], F_ext=[scene.start, scene.rate])
     assert fmu.get("omega") == 0.0
     assert fmu.get("theta") == pytest.approx(scene.angle(), abs=NEAR)

@@ -242,11 +242,9 @@ static bool end_on_first_event(const SegmentLimits *limits, const StopAhead *sto
         if (x == CROSSING_UNRESOLVED) return false;
         const RadauStep before = *step;
         const CrossingResult result = end_on_crossing(limits, first, x, step);
-        const bool lost =
-            result == CROSSING_REACHED && step_indicator_is_flank(first) && ends_on_loss(limits, first, step);
-        if (result == CROSSING_REACHED && !lost && step_indicator_is_flank(first) &&
-            other_has_left(limits, first, step))
-            continue;
+        const bool at_flank = result == CROSSING_REACHED && step_indicator_is_flank(first);
+        const bool lost = at_flank && ends_on_loss(limits, first, step);
+        if (at_flank && !lost && other_has_left(limits, first, step)) continue;
         if (result == CROSSING_REACHED && !lost && must_step_past(limits, first)) step_past_zero(limits, first, step);
         *solved = step->h;
         if (result == CROSSING_BLOCKED) return false;
