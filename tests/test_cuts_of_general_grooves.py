@@ -260,7 +260,8 @@ def test_contacts_at_the_end_of_a_dwell_let_a_torque_go_back(make_model, ends, p
 @pytest.mark.parametrize("scene", SCENES, ids=lambda scene: f"{scene['cause']}-{scene['scene']}")
 def test_scenes_do_not_depend_on_cuts(make_model, tmp_path, scene):
     """Angle, mode and speed agree to ten times the tolerance, of the larger stop and of the fastest speed.
-    The residual of the energies is a millionth of those turned over, and the rounding of the angle."""
+    The residual of the energies is a millionth of those turned over, and the rounding of the angle. So is
+    what the heat of a contact loses."""
     parameters = dict(scene["parameters"])
     for i in (1, 2):
         if f"cam{i}.table" in parameters:
@@ -271,12 +272,14 @@ def test_scenes_do_not_depend_on_cuts(make_model, tmp_path, scene):
             path = tmp_path / f"friction{i}.csv"
             path.write_text("".join(",".join(row) + "\n" for row in parameters[f"cam{i}.friction_table"]))
             parameters[f"cam{i}.friction_table"] = str(path)
-    ends = []
+    ends, lost = [], 0.0
     for cuts in ([], scene["cuts"], list(np.arange(1, 20) / 20)):
-        fmu = make_model(FORWARD).start(parameters)
+        fmu, heats = make_model(FORWARD).start(parameters), np.zeros(2)
         for h, taus, forces in scene["curves"]:
             tau = [scene["torque_unit"] * u / h**k for k, u in enumerate(taus)]
             run(fmu, h, cuts, tau=tau, F_ext=[u / h**k for k, u in enumerate(forces)])
+            before, heats = heats, np.array([fmu.get(f"energy.heat_cam{i}") for i in (1, 2)])
+            lost = max(lost, *(before - heats))
         ends.append({name: fmu.get(name) for name in ("theta", "omega", "mode", "energy.residual")})
     turned_over = sum(abs(fmu.get(f"energy.{name}")) for name in ENERGIES)
     way, speed = max(map(abs, (fmu.get("stop.lower"), fmu.get("stop.upper")))), fmu.get("peak.omega")
@@ -284,6 +287,5 @@ def test_scenes_do_not_depend_on_cuts(make_model, tmp_path, scene):
         assert end["mode"] == ends[0]["mode"]
         assert end["theta"] == pytest.approx(ends[0]["theta"], abs=10.0 * NEAR * way)
         assert end["omega"] == pytest.approx(ends[0]["omega"], abs=10.0 * NEAR * speed)
-    for end in ends:
-        rounding = 1e-14 * fmu.get("peak.torque") * way
-        assert abs(end["energy.residual"]) <= 1e-6 * turned_over + rounding
+    rounding = 1e-14 * fmu.get("peak.torque") * way
+    assert max(lost, *(abs(end["energy.residual"]) for end in ends)) <= 1e-6 * turned_over + rounding

@@ -212,6 +212,16 @@ COMPACT bool is_quotient_of_zeros(const Mechanism *m, int index) {
            reactions_are_quotients_of_zeros(&slip, &now);
 }
 
+/* Is the effective inertia D of the pair of flanks zero within the rounding of theta? No motion begins from rest there: the
+ * kinetic energy, the integral of N/D over theta, would be infinite beside D = 0. */
+COMPACT static bool rests_at_pole(const Mechanism *m, const SlipMode *slip) {
+    if (slip->regime != REGIME_INERTIAL || slip->friction_is_loaded || m->state.omega.hi != 0.0) return false;
+    const double rounding = REACTION_ZERO_SHARE * CANDIDATE_ANGLE_ROUNDING * largest_angle(&m->params);
+    for (int side = -1; side <= 1; side += 2)
+        if (!balance_rhs(slip, m->state.theta.hi + side * rounding, 0.0, 0.0).possible) return true;
+    return false;
+}
+
 static Candidate general_candidate(const Mechanism *m, int index) {
     const SlipMode slip = slip_mode_from_here(m, index);
     const Balance now = balance_from_here(m, &slip);
@@ -249,7 +259,10 @@ static Candidate general_candidate(const Mechanism *m, int index) {
             m->load_ahead == 0 && !slip.friction_is_loaded && !is_visible(now.x[i], coarse * rates.size[i]);
         candidate.ahead[i] = m->load_ahead != 0 ? m->load_ahead * now.axial[i] : m->crossed[i];
     }
-    if (is_undecided(&candidate, 0) || is_undecided(&candidate, 1)) extrapolate_contacts(&slip, &now, &candidate);
+    if (is_undecided(&candidate, 0) || is_undecided(&candidate, 1)) {
+        if (rests_at_pole(m, &slip)) return (Candidate){.possible = false};
+        extrapolate_contacts(&slip, &now, &candidate);
+    }
     return candidate;
 }
 
