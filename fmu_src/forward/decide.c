@@ -247,6 +247,17 @@ static int kept_flanks(const Mechanism *m, int direction, LinearSlipMode *built)
     return keeps(m, across, &next) ? across : -1;
 }
 
+/* Rigid contacts stop a motion only where no pair of flanks has an answer. Where friction depends on the load and no pair
+ * agrees at the answer of Newton's method, the answers are searched: of the present pair first. */
+COMPACT static int find_searched(const Mechanism *m, int direction, SearchStart from, LinearSlipMode *built) {
+    const int present = slip_index(direction, m->state.flank) + SLIP_SEARCHES;
+    if (from == FROM_FLANKS) {
+        const Candidate candidate = candidate_building(m, present, built);
+        if (agrees(m, present, &candidate, false)) return present;
+    }
+    return find_slip_mode(m, direction, from, SLIP_SEARCHES, built);
+}
+
 static Decision decide_at_rest(const Mechanism *m, LinearSlipMode *built) {
     const int direction = stick_direction_beyond_band(m);
     if (direction == 0) return (Decision){.mode = stick_mode(m), .slip_index = -1};
@@ -261,9 +272,9 @@ static Decision decide_at_rest(const Mechanism *m, LinearSlipMode *built) {
     if (index < 0) index = unloaded_slip(m, direction);
     /* No slip mode agrees, and the torque is on the edge: rounding decides whether it is inside or beyond. */
     if (index < 0 && stick_is_on_edge(m, direction)) return (Decision){.mode = MODE_STICK, .slip_index = -1};
-    /* Newton's method can end at another answer than that of the motion which begins (find_searched()). */
+    /* Newton's method can end at another answer than that of the motion which begins. */
     if (index < 0 && m->model.friction_is_loaded && has_inertia(&m->params))
-        index = find_slip_mode(m, direction, FROM_REST, SLIP_SEARCHES, built);
+        index = find_searched(m, direction, FROM_REST, built);
     return (Decision){.mode = index < 0 ? MODE_WEDGED : slip_mode(direction), .slip_index = index};
 }
 
@@ -301,17 +312,6 @@ COMPACT static int goes_on_at_lost_reactions(const Mechanism *m, int present, co
     if (!has_lost_reactions(present, candidate) || !inputs_go_on(m)) return -1;
     const Candidate searched = candidate_building(m, present + SLIP_SEARCHES, built);
     return agrees(m, present, &searched, false) ? present + SLIP_SEARCHES : -1;
-}
-
-/* Rigid contacts stop a motion only where no pair of flanks has an answer. Where friction depends on the load and no pair
- * agrees at the answer of Newton's method, the answers are searched: of the present pair first. */
-COMPACT static int find_searched(const Mechanism *m, int direction, SearchStart from, LinearSlipMode *built) {
-    const int present = slip_index(direction, m->state.flank) + SLIP_SEARCHES;
-    if (from == FROM_FLANKS) {
-        const Candidate candidate = candidate_building(m, present, built);
-        if (agrees(m, present, &candidate, false)) return present;
-    }
-    return find_slip_mode(m, direction, from, SLIP_SEARCHES, built);
 }
 
 /* While the mechanism slips, the flanks stay the same as long as they agree with their reactions. Where several pairs
