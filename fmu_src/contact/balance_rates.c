@@ -97,7 +97,8 @@ static Sizes sizes_of(const SlipMode *slip, const SlipCoefficients *k, const Bal
         inertial ? fabs(rhs->by_theta) * omega + fabs(rhs->by_omega) * size.rhs + fabs(rhs->by_time) : 0.0;
     size.axial = size.force + m * (dz_dtheta * size.rhs + d2z_dtheta2 * omega2);
     size.moment = I * (dgamma_dtheta * size.rhs + d2gamma_dtheta2 * omega2);
-    size.axial_rate = fabs(rates->spring_rate) + fabs(rates->F_ext_rate) +
+    const double rounded = TRANSMISSION_TERM_SHARE * slip->transmission->z_size;
+    size.axial_rate = spring_rate_terms(&p->spring, balance->z, rounded) * dz_dtheta * omega + fabs(rates->F_ext_rate) +
                       rates->damper_by_speed * (dz_dtheta * alpha + d2z_dtheta2 * omega2) +
                       m * (dz_dtheta * jerk + 3.0 * d2z_dtheta2 * omega * alpha);
     size.moment_rate = I * (dgamma_dtheta * jerk + 3.0 * d2gamma_dtheta2 * omega * alpha);
@@ -110,6 +111,17 @@ static Sizes sizes_of(const SlipMode *slip, const SlipCoefficients *k, const Bal
 static double rn_terms(const SlipMode *slip, const SlipCoefficients *k, int i) {
     const double r = slip->params->cam[i].radius;
     return r * (fabs(k->slope[i].value) + fabs(slip_friction(slip, k, i)) * r);
+}
+
+/* Rounding of d x_i/dt as a motion begins under friction by load and speed: the speed changes f_i, and f_i changes x_i in
+ * proportion to the loads. `size`: of x_i. In motion a change of flanks is an event, whose location the rate does not tell. */
+static double friction_rate_size(const SlipMode *slip, const SlipCoefficients *k, const MotionRates *rates, int i,
+                                 double size) {
+    const DualContactFactors *f = &k->factors;
+    const LoadStep by_speed = {.omega = rates->alpha};
+    const double rate = loaded_slip_response(slip, 0.0, k, &by_speed).x[i];
+    const double terms = fabs(f->rn[1 - i].value * rates->axial) + fabs(f->d[1 - i].value * rates->moment);
+    return terms > 0.0 ? fabs(rate) * size * fabs(f->delta.value) / terms : 0.0;
 }
 
 /* d x_i/dt from x_1 = (r_2 n_2 A - d_2 W)/Delta and x_2 = (r_1 n_1 A + d_1 W)/Delta, and the sizes of both. */
@@ -138,6 +150,7 @@ static void contact_rates(const SlipMode *slip, const SlipCoefficients *k, const
             .theta = omega, .omega = rates->alpha, .axial = rates->axial_rate, .moment = rates->moment_rate};
         out->contact[i] = loaded_slip_response(slip, omega, k, &step).x[i];
         out->rate_size[i] += fabs(out->contact[i]);
+        if (omega == 0.0) out->rate_size[i] += friction_rate_size(slip, k, rates, i, out->size[i]);
         return;
     }
     const ContactFactors *by = &k->dfactors_domega;

@@ -245,7 +245,8 @@ static Candidate general_candidate(const Mechanism *m, int index) {
     };
     const double spring = spring_rate(&m->params.spring, m->configuration.z);
     const double steady = steady_time(&slip, &now);
-    const double coarse = slip.friction_varies ? CANDIDATE_COARSE_VARYING : CANDIDATE_COARSE;
+    const bool may_let_go = slip.friction_varies && m->state.omega.hi != 0.0; /* at a jam, see tolerances.h */
+    const double coarse = may_let_go ? CANDIDATE_COARSE_VARYING : CANDIDATE_COARSE;
     for (int i = 0; i < 2; i++) {
         candidate.axial[i] = now.axial[i] * spring;
         candidate.contact[i] = (ContactLoad){.value = now.x[i], .rate = rates.contact[i]};

@@ -18,6 +18,12 @@ double spring_terms(const SpringParams *spring, double z, double dz) {
            bent * ((bent + 2.0 * dz) * fabs(spring->stiffness2) + bent * (bent + 3.0 * dz) * fabs(spring->stiffness3));
 }
 
+double spring_rate_terms(const SpringParams *spring, double z, double dz) {
+    const double size = fabs(z), bent = size + SPRING_BENDS * dz;
+    return fabs(spring->stiffness) + 2.0 * (size + dz) * fabs(spring->stiffness2) +
+           3.0 * bent * (bent + 2.0 * dz) * fabs(spring->stiffness3);
+}
+
 double spring_energy(const SpringParams *spring, double z) {
     return z * (spring->preload +
                 z * (spring->stiffness / 2.0 + z * (spring->stiffness2 / 3.0 + z * (spring->stiffness3 / 4.0))));

@@ -14,6 +14,9 @@ double spring_rate(const SpringParams *spring, double z);
  * this size: dF_s/dz counts at z, and not where the spring's force is larger. */
 double spring_terms(const SpringParams *spring, double z, double dz);
 
+/* N/m: the same for dF_s/dz. */
+double spring_rate_terms(const SpringParams *spring, double z, double dz);
+
 /* J: the integral of F_s from 0 to z */
 double spring_energy(const SpringParams *spring, double z);
 
