@@ -73,6 +73,15 @@ def test_an_answer_at_rest_that_the_search_alone_finds(make_model, number):
     check_against_elastic(make_model, number, 1e-3)
 
 
+@pytest.mark.parametrize("number", [136, 172, 343])
+def test_contacts_that_wedge(make_model, number):
+    """The torque is beyond the band at rest, but no pair of flanks accelerates along it. The FMU began to
+    slide and jammed without end: it took the torque beyond the edge at the friction of the motion."""
+    p, tau = random_cams(number, True)
+    assert abs(ElasticFlanks(p, tau).angle_after(END)) < 3e-6
+    assert angle_of_rigid(make_model, p, tau, END) == 0.0
+
+
 @pytest.mark.parametrize("mass", [0.3, 1.0])
 def test_a_shaft_with_hardly_any_inertia(make_model, mass):
     p, tau, end = LOCKED | {"inertia.follower_mass": mass, "inertia.shaft": 1e-6}, 5.32, 0.033

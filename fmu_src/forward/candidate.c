@@ -222,6 +222,15 @@ COMPACT static bool rests_at_pole(const Mechanism *m, const SlipMode *slip) {
     return false;
 }
 
+/* Under friction that depends on the load the reactions are those of the acceleration, and so are the coefficients of
+ * friction. The edge for these coefficients is not that of rest: beyond its tie, the torque has the sign of the acceleration.
+ * balance_from_here() has set an acceleration against the direction to zero. */
+static double net_along_motion(const SlipMode *slip, const Balance *now, const Candidate *candidate) {
+    const double size = fabs(candidate->net);
+    if (size <= candidate->tie * candidate->net_size) return candidate->net;
+    return now->alpha == 0.0 ? -slip->direction * size : slip->direction * size;
+}
+
 static Candidate general_candidate(const Mechanism *m, int index) {
     const SlipMode slip = slip_mode_from_here(m, index);
     const Balance now = balance_from_here(m, &slip);
@@ -243,6 +252,7 @@ static Candidate general_candidate(const Mechanism *m, int index) {
         .jerk = inertial ? rates.rhs : 0.0,
         .stiffness = now.rhs.by_theta,
     };
+    if (inertial && slip.friction_is_loaded) candidate.net = net_along_motion(&slip, &now, &candidate);
     const double spring = spring_rate(&m->params.spring, m->configuration.z);
     const double steady = steady_time(&slip, &now);
     const bool may_let_go = slip.friction_varies && m->state.omega.hi != 0.0; /* at a jam, see tolerances.h */
