@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from driver import FORWARD
 from pin_equations import Groove, Pin, band, edge, ellipse, helix, polynomial, sampled, spring_force
-from reference import LOADING, RELEASING, write_table
+from reference import LOADING, RELEASING, STICK, write_table
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 from test_cuts_of_general_grooves import CUTS, run
@@ -313,3 +313,33 @@ def test_a_pull_that_locks_at_rest_and_moves_a_damper_needs_inertia(make_model, 
     )  # fmt: skip
     assert light.get("theta") == pytest.approx(way.y[0, -1], rel=1e-5)
     assert light.get("mode") == LOADING
+
+
+@pytest.mark.parametrize("profile", [1, 2])
+@pytest.mark.parametrize("h", [0.03, 0.1, 0.3, 1.0])
+def test_a_motion_that_fades_away_has_a_speed_as_long_as_it_slips(make_model, profile, h):
+    """A damper slows the motion toward the torque that holds the spring: omega falls like exp(-t/T). A step
+    ended in mode 1 beside a speed of 1e-11 rad/s, in grooves other than helices."""
+    parameters = {
+        "cam1.lead_angle": 0.7,
+        "cam1.friction": 0.02,
+        "cam2.friction": 0.0,
+        "cam2.profile": profile,
+        "cam2.lead_angle": 0.8,
+        "cam2.ellipse_a": 0.1,
+        "cam2.ellipse_b": 0.1,
+        "spring.preload": 10.0,
+        "spring.stiffness": 2000.0,
+        "damper.c_load": 150.0,
+        "inertia.shaft": 0.0,
+        "stop.upper": 0.5,
+        "tau": 0.12,
+    }
+    fmu = make_model(FORWARD).start(parameters)
+    modes = []
+    for _ in range(math.ceil(6.0 / h)):
+        fmu.step(h)
+        modes.append(fmu.get("mode"))
+        assert (fmu.get("omega") > 0.0) == (modes[-1] == LOADING)
+    assert modes[0] == LOADING and modes[-1] == STICK
+    assert fmu.get("torque_load") == pytest.approx(0.12, rel=1e-9)

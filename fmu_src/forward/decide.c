@@ -357,13 +357,22 @@ COMPACT static bool rest_and_motion_balance(const Mechanism *m) {
            kept_flanks(m, direction, &unused) >= 0 && angle_to_stop(m, direction) > 0.0 && stick_locks(m, direction);
 }
 
+/* Without inertia a damper lets the motion toward an edge of the stick band fade away. A step may end at a speed so small
+ * that the torque counts as on the edge. The motion goes on until the next step decides. */
+COMPACT static bool fades_away(const Mechanism *m, const Decision *decision) {
+    const int direction = direction_of(m->state.mode);
+    if (decision->mode != MODE_STICK || !(direction * m->state.omega.hi > 0.0)) return false;
+    return slip_mode_from_here(m, present_slip_index(m)).regime == REGIME_VISCOUS && stick_is_on_edge(m, direction);
+}
+
 Decision decision_of(const Mechanism *m) {
     LinearSlipMode storage;
     const Mode mode = m->state.mode;
     const Decision present = {.mode = mode, .slip_index = is_slip(mode) ? present_slip_index(m) : -1};
     if (m->continuous) return present;
     const Decision decision = decide(m, &storage);
-    return !is_slip(decision.mode) && rest_and_motion_balance(m) ? present : decision;
+    if (is_slip(decision.mode)) return decision;
+    return fades_away(m, &decision) || rest_and_motion_balance(m) ? present : decision;
 }
 
 /* ---- entering a mode ---- */
