@@ -108,6 +108,38 @@ SETTLES_SLOWLY = SETTLES_AT_ONCE | {
     "shaft.damping": 100.0,
     "stop.lower": -1.0,
 }  # so that curvatures vanish while rates do not
+# Contact 2 locks and turns the damper around: a speed off the balance grows like exp(5e5 t), t in seconds.
+UNSTABLE_BALANCE = {
+    "cam1.radius": 10.0**-1.5,
+    "cam2.radius": 1.0,
+    "cam1.lead_angle": 0.6922471073347196,
+    "cam2.lead_angle": 0.01,
+    "cam1.friction": 1.0,
+    "cam2.friction": 1.9952623149688793,
+    "spring.preload": 0.0067681215630575565,
+    "spring.stiffness": 0.0,
+    "damper.c_load": 0.0,
+    "damper.c_release": 1e7,
+    "inertia.shaft": 0.0009424384239903301,
+    "inertia.follower": 0.0,
+    "inertia.follower_mass": 1.0,
+    "shaft.damping": 0.0,
+    "stop.lower": 0.0,
+    "stop.upper": 3.5224330693943626,
+    "stop.restitution": 0.9250689269275421,
+    "initial.omega": 0.5047821530270642,
+}
+ONTO_THE_BALANCE = [
+    (0.49607880583216174, 0.60748218719101, -3.1622776601683795, 0.0, 1.0),
+    (1.0, -11.031936787188194, 1.0000002744895709, 0.0, 0.0),
+    (1.0, 0.0, -1.0, 1727.6388336611528, 0.0),
+    (3.251093040837382e-06, 0.45024702240876363, 0.0, 3.1800168696925524, -1.0),
+    (1.0, -0.18595147004309007, -1.0, 0.0, 1.0),
+    (0.0008138380363614127, 0.0, 0.0, 0.0, 6.975070479802972),
+    (1.0, -11.031936787188194, 1.0000002744895709, 0.0, 0.0),
+    (10.0**-0.99999, 0.0, 0.0, 0.0, 0.0),
+    (1.0785718166916307, 0.0, 0.0, 0.0, 0.0),
+]
 RAMP, BOTH = (1.0, -1.0, -1.0, 0.0, 0.0), (1.0, -1.0, -1.0, -1.0, 0.0)
 PUSHED_BACK = [RAMP, RAMP, BOTH, RAMP, BOTH, (1.0, 0.0, 0.0, 0.0, -1.0)]
 
@@ -122,6 +154,7 @@ def rounding_of_step(parameters, values, h: float) -> float:
 @FIXTURE
 @example(parameters=SETTLES_AT_ONCE, steps=[(1.0, -1.0, -1.0, 0.0, -10.0), (1.0, -1.0, 0.0, 0.0, -10.0)])
 @example(parameters=SETTLES_SLOWLY, steps=PUSHED_BACK)
+@example(parameters=UNSTABLE_BALANCE, steps=ONTO_THE_BALANCE)
 @given(PARAMETERS, STEPS)
 def test_energy_is_conserved_and_nothing_is_nan(make, parameters, steps):
     fmu = started(make, parameters)

@@ -119,13 +119,14 @@ void linear_slip_motion(const LinearSlipMode *linear, const SlipStart *l, const 
     const double decay2 = linear->oscillator.decay2, w2 = linear->oscillator.stiffness;
     const double b = base_speed(linear, l, k);
     const bool settles = k->lead != 0.0;
+    /* s + 2a p1 = t - w2 p2: of a growing solution both terms on the left grow and cancel */
+    const double base_time = decay2 < 0.0 ? k->t - w2 * k->p2 : k->s + decay2 * k->p1;
     const double alpha = l->alpha * k->ds + l->alpha_drive * k->s;
     const double omega = settles ? b * (1.0 - w2 * k->p1) - k->lead * k->ds * l->alpha + l->drive * k->p1
                                  : l->omega + (l->alpha * k->s + l->alpha_drive * k->p1);
     *motion = (LinearMotion){
         .t = k->t,
-        .dtheta =
-            b * (k->s + decay2 * k->p1) + l->alpha * (settles ? -k->lead * k->s : k->p1) + l->drive * k->p2 + l->offset,
+        .dtheta = b * base_time + l->alpha * (settles ? -k->lead * k->s : k->p1) + l->drive * k->p2 + l->offset,
         .domega = settles ? omega - l->omega : l->alpha * k->s + l->alpha_drive * k->p1,
         .omega = omega,
         .alpha = alpha,
@@ -205,8 +206,11 @@ void linear_slip_book(const LinearSlipMode *linear, const Params *p, const Geome
     double work_in = l->tau * dtheta, work_ext = l->F_ext * dtheta; /* work_ext: per z' until the end */
     if (l->tau_rate != 0.0 || l->F_ext_rate != 0.0) {
         /* of t omega over the segment: t (theta1 - theta0) less the integral of theta - theta0 */
-        const double angle_integral = base_speed(linear, l, k) * (k->p1 + linear->oscillator.decay2 * k->p2) +
-                                      l->alpha * (k->lead != 0.0 ? -k->lead * k->p1 : k->p2) + l->drive * k->p3;
+        const double decay2 = linear->oscillator.decay2, w2 = linear->oscillator.stiffness;
+        const double base = /* as base_time in linear_slip_motion() */
+            decay2 < 0.0 ? 0.5 * k->t * k->t - w2 * k->p3 : k->p1 + decay2 * k->p2;
+        const double angle_integral =
+            base_speed(linear, l, k) * base + l->alpha * (k->lead != 0.0 ? -k->lead * k->p1 : k->p2) + l->drive * k->p3;
         const double omega_moment = motion->t * dtheta - angle_integral;
         work_in += l->tau_rate * omega_moment;
         work_ext += l->F_ext_rate * omega_moment;
