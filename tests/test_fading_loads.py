@@ -8,9 +8,9 @@ impacts at the stop turn all of this work into heat.
 from itertools import product
 
 import pytest
-from driver import OK, models
+from driver import FORWARD, OK
+from reference import LOWER_STOP
 
-LOWER_STOP = 4
 NEAR_THE_STOP = {
     "cam1.profile": 2,
     "cam1.radius": 0.01,
@@ -29,7 +29,7 @@ NEAR_THE_STOP = {
     "stop.upper": 0.3,
     "tau": -1.0,
 }
-# shares of 1: lead angle and friction of cam 1, its growth with the speed; radius of cam 2
+# Of cam 1 the lead angle, rad, the friction and its growth with the speed, s/m; the radius of cam 2, m
 DESIGNS = [(0.8, 0.5, 100.0, 0.05), (0.6, 1.0, 0.0, 0.02)]
 
 
@@ -42,7 +42,7 @@ def test_a_load_below_the_rounding_of_the_height_does_not_jam(make_model, design
     own = {"cam1.lead_angle": lead, "cam1.friction": friction, "cam1.friction_viscous": growth}
     for bend, begin in product((1e5, -1e5), (1e-11, 1e-12, 1e-13)):
         at = {"cam2.radius": radius, "spring.stiffness2": bend, "initial.theta": begin}
-        fmu = make_model(models["DualCamForward"]).start(NEAR_THE_STOP | own | at)
+        fmu = make_model(FORWARD).start(NEAR_THE_STOP | own | at)
         assert fmu.call("fmi2DoStep", 0.0, 1.0, 1) == OK, fmu.messages[-1].text
         assert fmu.get("mode") == LOWER_STOP
         assert fmu.get("energy.heat_stop") == pytest.approx(begin, rel=1e-9)
