@@ -31,6 +31,10 @@ LINEAR = {
     "spring.stiffness": 2e4,
     "inertia.shaft": 0.0,
 }
+WEDGING = {  # one contact locks and the other one does not
+    **{"cam1.lead_angle": 0.05, "cam2.lead_angle": 0.31},
+    **{"cam1.friction": 0.74, "cam2.friction": 0.1, "cam2.radius": 0.02},
+}
 CURVED = {"spring.stiffness2": 1e5, "spring.stiffness3": 1e7}
 DAMPED = {f"damper.{name}": value for name, value in {"c_load": 80.0, "c_release": 60.0}.items()}
 MASSES = {"inertia.shaft": 0.002, "inertia.follower_mass": 0.3, "inertia.follower": 3e-4}
@@ -408,6 +412,24 @@ def test_ahead_of_a_change_of_one_flank(make_model, way, rate):
     assert_close(found, AHEAD, read_along(fmu, motion, AHEAD * h), h)
 
 
+@pytest.mark.parametrize("rate", [4000.0, -4000.0])
+@pytest.mark.parametrize("way", [1, -1])
+def test_ahead_of_a_load_on_locked_contacts(make_model, way, rate):
+    """No load at all now, and cam 1 locks. Under a load of one sign that follows, the contacts wedge, and the
+    torque has no rate. Under a load of the other sign two pairs of flanks agree."""
+    values = LINEAR | WEDGING | {"spring.preload": 0.0, "spring.stiffness": 0.0}
+    motion = {"theta": [0.5, way], "F_ext": [0.0, rate]}
+    fmu, h = inverse_at(make_model, values, motion), 1e-3
+    assert fmu.get("tau") == 0.0
+    fmu.set_derivatives(given(motion))
+    if way * rate < 0.0:
+        arguments = INVERSE.references(["tau"]), 1, (c_int * 1)(1), (c_double * 1)(7.0)
+        fmu.refused("fmi2GetRealOutputDerivatives", *arguments, mentions=("tau",))
+        return
+    found = derivatives(fmu, ["tau"])
+    assert_close(found, AHEAD, read_along(fmu, motion, AHEAD * h), h)
+
+
 @pytest.mark.parametrize("groove", GROOVES)
 @pytest.mark.parametrize("direction", [1, -1])
 def test_elastic_shaft_dragging(make_model, grooves, groove, direction):
@@ -498,11 +520,8 @@ def test_at_stops_and_where_it_is_refused(make_model):
 
 
 def test_wedged_motion_has_no_torque_and_no_rate_of_it(make_model):
-    """One contact locks and the other one does not: no pair of flanks carries a release."""
-    leads = {"cam1.lead_angle": 0.05, "cam2.lead_angle": 0.31, "cam1.friction": 0.74, "cam2.friction": 0.1}
-    fmu = inverse_at(
-        make_model, LINEAR | leads | {"cam2.radius": 0.02}, {"theta": [0.5, -1.0], "F_ext": [0.0]}
-    )
+    """No pair of flanks carries a release."""
+    fmu = inverse_at(make_model, LINEAR | WEDGING, {"theta": [0.5, -1.0], "F_ext": [0.0]})
     arguments = INVERSE.references(["tau"]), 1, (c_int * 1)(1), (c_double * 1)(7.0)
     fmu.refused("fmi2GetRealOutputDerivatives", *arguments, mentions=("wedge",))
     assert fmu.output_derivative("z", 1) == fmu.get("v") != 0.0
@@ -511,10 +530,7 @@ def test_wedged_motion_has_no_torque_and_no_rate_of_it(make_model):
 
 def test_at_rest_before_a_wedge(make_model):
     """alpha would start it in the direction that wedges: what counts is the direction that tau is for."""
-    leads = {"cam1.lead_angle": 0.05, "cam2.lead_angle": 0.31, "cam1.friction": 0.74, "cam2.friction": 0.1}
-    fmu = inverse_at(
-        make_model, LINEAR | leads | {"cam2.radius": 0.02}, {"theta": [0.5, 1.0], "F_ext": [0.0]}
-    )
+    fmu = inverse_at(make_model, LINEAR | WEDGING, {"theta": [0.5, 1.0], "F_ext": [0.0]})
     fmu.set({"omega": 0.0, "alpha": -1.0})
     assert fmu.get("torque_release") == -math.inf
     rho, lift = fmu.get("torque_load") / fmu.get("spring.force"), fmu.get("z") / 0.5

@@ -63,11 +63,15 @@ static double p_size(const SlipMode *slip, const SlipCoefficients *k) {
     return size;
 }
 
+/* m, what counts as a term of z beside z. */
+static double z_rounding(const SlipMode *slip) {
+    return TRANSMISSION_TERM_SHARE * slip->transmission->z_size;
+}
+
 static double force_size(const SlipMode *slip, const Balance *balance) {
     const SpringParams *spring = &slip->params->spring;
-    const double rounded = TRANSMISSION_TERM_SHARE * slip->transmission->z_size;
     return fabs(spring->preload) + fabs(balance->F_ext) + fabs(balance->damper) +
-           spring_terms(spring, balance->z, rounded);
+           spring_terms(spring, balance->z, z_rounding(slip));
 }
 
 /* Of alpha. */
@@ -97,9 +101,8 @@ static Sizes sizes_of(const SlipMode *slip, const SlipCoefficients *k, const Bal
         inertial ? fabs(rhs->by_theta) * omega + fabs(rhs->by_omega) * size.rhs + fabs(rhs->by_time) : 0.0;
     size.axial = size.force + m * (dz_dtheta * size.rhs + d2z_dtheta2 * omega2);
     size.moment = I * (dgamma_dtheta * size.rhs + d2gamma_dtheta2 * omega2);
-    const double rounded = TRANSMISSION_TERM_SHARE * slip->transmission->z_size;
-    size.axial_rate = spring_rate_terms(&p->spring, balance->z, rounded) * dz_dtheta * omega + fabs(rates->F_ext_rate) +
-                      rates->damper_by_speed * (dz_dtheta * alpha + d2z_dtheta2 * omega2) +
+    size.axial_rate = spring_rate_terms(&p->spring, balance->z, z_rounding(slip)) * dz_dtheta * omega +
+                      fabs(rates->F_ext_rate) + rates->damper_by_speed * (dz_dtheta * alpha + d2z_dtheta2 * omega2) +
                       m * (dz_dtheta * jerk + 3.0 * d2z_dtheta2 * omega * alpha);
     size.moment_rate = I * (dgamma_dtheta * jerk + 3.0 * d2gamma_dtheta2 * omega * alpha);
     return size;

@@ -228,7 +228,7 @@ COMPACT static bool rests_at_pole(const Mechanism *m, const SlipMode *slip) {
 static double net_along_motion(const SlipMode *slip, const Balance *now, const Candidate *candidate) {
     const double size = fabs(candidate->net);
     if (size <= candidate->tie * candidate->net_size) return candidate->net;
-    return now->alpha == 0.0 ? -slip->direction * size : slip->direction * size;
+    return (now->alpha == 0.0 ? -slip->direction : slip->direction) * size;
 }
 
 static Candidate general_candidate(const Mechanism *m, int index) {

@@ -147,6 +147,7 @@ typedef struct {
     Configuration configuration; /* belongs to state.theta */
     Cache cache;
     Work *work;            /* of the step that is being made; else NULL */
+    int64_t work_limit;    /* see work_of_call() */
     bool moves_on;         /* in a step after its first segment: no input has jumped */
     int load_ahead;        /* in a step, where a segment has ended as both reactions pass zero: sign of the axial load
                               that follows; else 0 */

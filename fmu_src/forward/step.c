@@ -45,11 +45,11 @@ typedef struct {
     double least_progress; /* s, between two checks */
 } StepRun;
 
-static StepRun run_of(double h, StepVisitor *visitor) {
+static StepRun run_of(const Mechanism *m, double h, StepVisitor *visitor) {
     return (StepRun){
         .left = h,
         .visitor = visitor,
-        .work = {.most = MAX_WORK},
+        .work = work_of_call(m->work_limit),
         .left_at_check = INFINITY,
         .least_progress = STALL_GUARD_PROGRESS * h,
     };
@@ -250,7 +250,8 @@ static void describe_failure(Fault *fault, const Mechanism *m, double h, const c
              "of the step",
              shortest_decimal(h).text, shortest_decimal(m->state.theta.hi).text,
              shortest_decimal(m->state.omega.hi).text, shortest_decimal(m->inputs.tau[0]).text, reason,
-             most_segments(m), (int)MAX_JAMS_PER_STEP, (int)MAX_WORK, (int)STALL_GUARD_SEGMENTS, STALL_GUARD_PROGRESS);
+             most_segments(m), (int)MAX_JAMS_PER_STEP, (int)work_of_call(m->work_limit).most, (int)STALL_GUARD_SEGMENTS,
+             STALL_GUARD_PROGRESS);
 }
 
 /* Do the inputs stay finite in the step? */
@@ -303,7 +304,7 @@ static bool advance_by_segments(Mechanism *m, double h, const Segment *first, co
     const State state = m->state;
     const Inputs inputs = m->inputs;
     WatchingVisitor watching = {{.after_decision = tell_of_decision, .after_segment = tell_of_segment}, watcher};
-    StepRun run = run_of(h, watcher != NULL ? &watching.visitor : NULL);
+    StepRun run = run_of(m, h, watcher != NULL ? &watching.visitor : NULL);
     Step step;
     begin_step(m, h, &step);
     m->cache.proposal = (StepProposal){INFINITY, 0}; /* a step depends on state and inputs only */
@@ -358,7 +359,7 @@ bool mechanism_advance(Mechanism *m, double h, Fault *fault) {
 }
 
 bool mechanism_go_through(Mechanism *m, double h, StepVisitor *visitor) {
-    StepRun run = run_of(h, visitor);
+    StepRun run = run_of(m, h, visitor);
     return go_through(m, &run) == OUTCOME_DONE;
 }
 
@@ -376,7 +377,7 @@ static void land_where_it_is(Mechanism *m) {
 void mechanism_settle(Mechanism *m) {
     const Ledger before = m->state.ledger;
     if (m->continuous) land_where_it_is(m); /* in co-simulation the step has done so */
-    StepRun run = run_of(0.0, NULL);
+    StepRun run = run_of(m, 0.0, NULL);
     run.settles = true;
     (void)go_through(m, &run); /* at most one jam, which takes the speed: no limit of a step is reached */
     if (m->continuous) m->state.ledger = before;

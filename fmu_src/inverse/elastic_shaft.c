@@ -88,7 +88,7 @@ void elastic_shaft_state(const ElasticCam *cam, double theta, double omega, Elas
 double elastic_shaft_start(const Inverse *m) {
     const StopParams *stop = &m->params.stop;
     const double theta = m->inputs.theta[0];
-    Work work = {.most = MAX_WORK};
+    Work work = work_of_call(m->work_limit);
     ElasticCam cam = {.m = m, .F_ext = m->inputs.F_ext[0], .work = &work};
     cam.x = min_of(max_of(theta, stop->lower), stop->upper);
     elastic_cam_relax(&cam, theta);
@@ -97,7 +97,7 @@ double elastic_shaft_start(const Inverse *m) {
 
 void elastic_shaft_present(const Inverse *m, ElasticShaftState *out) {
     const double theta = m->inputs.theta[0];
-    Work work = {.most = MAX_WORK};
+    Work work = work_of_call(m->work_limit);
     ElasticCam cam = {.m = m, .x = m->state.cam, .F_ext = m->inputs.F_ext[0], .F_ext_rate = m->inputs.F_ext[1]};
     cam.work = &work;
     elastic_cam_follow(&cam, m->state.theta, theta);

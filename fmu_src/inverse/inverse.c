@@ -38,7 +38,8 @@ static bool describe_start(const Inverse *m, Fault *fault) {
     snprintf(fault->text, sizeof fault->text,
              "theta = %s, F_ext = %s: cam 2 finds no place at the end of the shaft; allowed are %d evaluations of "
              "the motion",
-             shortest_decimal(m->inputs.theta[0]).text, shortest_decimal(m->inputs.F_ext[0]).text, (int)MAX_WORK);
+             shortest_decimal(m->inputs.theta[0]).text, shortest_decimal(m->inputs.F_ext[0]).text,
+             (int)work_of_call(m->work_limit).most);
     return false;
 }
 
@@ -131,14 +132,14 @@ static bool follow(const Inverse *m, const ImposedMotion *motion, bool repeats, 
 /* The same with a limit of work. */
 static bool follow_within_limit(Inverse *m, const ImposedMotion *motion, bool repeats, double omega, InverseState *next,
                                 Fault *fault) {
-    Work work = {.most = MAX_WORK};
+    Work work = work_of_call(m->work_limit);
     m->work = &work;
     const bool done = follow(m, motion, repeats, omega, next, fault);
     m->work = NULL;
     if (!work_is_spent(&work)) return done;
     snprintf(fault->text, sizeof fault->text,
              "step of %s s to theta = %s needs too many evaluations of the motion; allowed are %d",
-             shortest_decimal(motion->h).text, shortest_decimal(m->inputs.theta[0]).text, (int)MAX_WORK);
+             shortest_decimal(motion->h).text, shortest_decimal(m->inputs.theta[0]).text, (int)work.most);
     return false;
 }
 

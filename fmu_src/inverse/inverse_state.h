@@ -32,6 +32,7 @@ typedef struct {
     FrictionTables friction;   /* that params.cam[].law.table points to */
     const char *resources;     /* directory that a table's relative path starts from, or NULL; not owned */
     Work *work;                /* of the step that is being made; else NULL */
+    int64_t work_limit;        /* see work_of_call() */
     bool continuous;           /* model exchange: the direction changes in inverse_settle() only */
 } Inverse;
 

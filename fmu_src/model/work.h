@@ -26,6 +26,11 @@ typedef struct {
     int64_t done, most; /* evaluations */
 } Work;
 
+/* The work of a call. `limit`: evaluations at most, which a test sets; 0: MAX_WORK. */
+static inline Work work_of_call(int64_t limit) {
+    return (Work){.most = limit > 0 ? limit : MAX_WORK};
+}
+
 /* `work` may be NULL: then the caller makes a fixed number of evaluations, which nobody counts. */
 static inline void work_add(Work *work, int evaluations) {
     if (work != NULL) work->done += evaluations;

@@ -6,6 +6,7 @@
 #include "inverse/elastic_shaft.h"
 #include "inverse/rigid_shaft.h"
 #include "model/elements.h"
+#include "numerics/tolerances.h"
 #include "platform/attributes.h"
 
 COMPACT_BEGIN
@@ -68,20 +69,30 @@ static void balance_on_flanks(const Inverse *m, const OperatingPoint *at, const 
     taylor_balance(&slip, t);
 }
 
-/* Balances on the present flanks. A contact that carries nothing now takes the first flank that its reaction agrees
- * with a little later. */
-static void balance_ahead(const Inverse *m, const OperatingPoint *at, const RequiredTorque *required, Taylor *t) {
+/* The sign of the axial load, or of the load that follows where there is none now. */
+static int load_side(const Load *load, const Taylor *t) {
+    if (fabs(load->axial) > REACTION_ROUNDING * load->axial_size) return load->axial < 0.0 ? -1 : 1;
+    return sign_ahead(&t->load, 1) < 0 ? -1 : 1;
+}
+
+/* Balances on the present flanks. A contact that carries nothing now takes the flank that its reaction agrees with a
+ * little later; of several pairs of flanks the first one in the order of contact_statics_forces(). False if no pair
+ * agrees: the contacts wedge. */
+static bool balance_ahead(const Inverse *m, const OperatingPoint *at, const RequiredTorque *required, Taylor *t) {
     const int *present = required->forces.flank;
     const bool idle[2] = {contact_statics_carries_nothing(&required->forces, &required->load, 0),
                           contact_statics_carries_nothing(&required->forces, &required->load, 1)};
+    balance_on_flanks(m, at, present, t);
+    if (!idle[0] && !idle[1]) return true;
+    const int side = load_side(&required->load, t);
     for (int k = 0; k < FLANK_PAIR_COUNT; k++) {
-        const bool changes[2] = {(k & 2) != 0, (k & 1) != 0};
-        const int flank[2] = {changes[0] ? -present[0] : present[0], changes[1] ? -present[1] : present[1]};
-        if ((changes[0] && !idle[0]) || (changes[1] && !idle[1])) continue;
+        int flank[2];
+        flank_pair(k, side, flank);
+        if ((flank[0] != present[0] && !idle[0]) || (flank[1] != present[1] && !idle[1])) continue;
         balance_on_flanks(m, at, flank, t);
-        if ((!idle[0] || agrees_ahead(t, 0, flank[0])) && (!idle[1] || agrees_ahead(t, 1, flank[1]))) return;
+        if ((!idle[0] || agrees_ahead(t, 0, flank[0])) && (!idle[1] || agrees_ahead(t, 1, flank[1]))) return true;
     }
-    if (idle[0] && idle[1]) balance_on_flanks(m, at, present, t);
+    return false;
 }
 
 static void rigid_shaft_taylor(const Inverse *m, Taylor *t, RequiredTorque *required) {
@@ -89,9 +100,9 @@ static void rigid_shaft_taylor(const Inverse *m, Taylor *t, RequiredTorque *requ
     required_torque_ahead(m, t, &at, required);
     /* z is rounded, and so the spring's force: a load of this size may be none */
     required->load.axial_size += fabs(spring_rate(&m->params.spring, required->statics.z)) * m->transmission.z_size;
-    balance_ahead(m, &at, required, t);
+    const bool moves_on = balance_ahead(m, &at, required, t);
     t->tau = jet_divide(&t->residual, &t->factors.delta);
-    for (int k = 0; k < JET_TERMS; k++) t->tau.c[k].value = -t->tau.c[k].value;
+    for (int k = 0; k < JET_TERMS; k++) t->tau.c[k].value = moves_on ? -t->tau.c[k].value : NAN;
 }
 
 /* ---- elastic shaft ---- */
