@@ -12,6 +12,7 @@ from enum import StrEnum
 from itertools import pairwise
 from typing import Any
 
+import numpy as np
 from driver import OK, Driver
 from random_scenes import LEAST, curve, inertia_felt, slopes, unit_of_torque
 from reference import DOUBLE, Groove, Mechanism, Slip, groove_of
@@ -28,6 +29,9 @@ NUDGES = 8
 # (tests/test_cuts_of_general_grooves.py). What such a torque does to the speed is rounding.
 TIE = 2e-12
 ANGLE = 4 * sys.float_info.epsilon  # share of the farther stop: a rounding of theta
+# Where a mode is decided, a reaction below this share of its terms is zero (CANDIDATE_COARSE in
+# fmu_src/numerics/tolerances.h). Beside a dwell a reaction is proportional to the slope that is nearly zero.
+ZERO_SHARE = 1e-12
 
 Curve = tuple[float, Sequence[float], Sequence[float]]  # as random_scenes.CURVES draws them
 Part = tuple[float, float]
@@ -93,6 +97,21 @@ def rounding_by_angle(fmu: Driver, parameters: Mapping[str, Any]) -> float:
     slip = Slip(1 if fmu.get("omega") > 0.0 else -1, flanks)
     rate = mechanism.rate(mechanism.groove.at(fmu.get("theta")), slip, fmu.get("omega"))
     return ANGLE * max(map(abs, (parameters["stop.lower"], parameters["stop.upper"]))) * rate
+
+
+def loads_are_rounding(runs: Sequence[Driver], parameters: Mapping[str, Any]) -> bool:
+    """Have all runs come to angles beside a dwell at which the slope of a groove is not zero, but so small
+    that no reaction tells where the contacts jam?"""
+    groove = Mechanism(parameters, DOUBLE).groove
+
+    def slopes_at(theta: float) -> tuple[Any, Any]:
+        place = groove.at(theta)
+        return place.a1, place.a2
+
+    angles = np.linspace(parameters["stop.lower"], parameters["stop.upper"], 257)
+    steepest = max(max(slopes_at(float(theta))) for theta in angles)
+    now = zip(*(slopes_at(fmu.get("theta")) for fmu in runs), strict=True)
+    return any(min(slope) > 0.0 and max(slope) <= ZERO_SHARE * steepest for slope in now)
 
 
 def nudge_stops(values: dict[str, Any], chance: random.Random) -> None:
@@ -169,6 +188,8 @@ def judge(make: Callable[[], Driver], scene: Scene) -> Verdict:
                 allowed += rounding_by_angle(whole, scene.parameters)
             if abs(second - first) <= allowed:
                 continue
+            if name == "theta" and loads_are_rounding((whole, cut), scene.parameters):
+                return Verdict(Outcome.SENSITIVE, k)
             moved = moved_by_nudges(make, scene, k + 1, unit, name, first)
             if moved > STEADY * size or abs(second - first) <= allowed + 10 * moved:
                 return Verdict(Outcome.SENSITIVE, k)
