@@ -88,6 +88,24 @@ def test_a_swing_far_beyond_the_stops_keeps_the_digits_of_the_tolerance_or_is_re
         fmu.refused("fmi2DoStep", 0.0, h, 1, mentions=words)
 
 
+@pytest.mark.parametrize(("ledger", "inertia", "h"), [(True, 1.0, 1e-55), (False, 1e-5, 1e-16)])
+def test_a_motion_that_leaves_the_range_of_numbers_is_refused(make_model, ledger, inertia, h):
+    """By an energy above 1e288 J, or, where no account is kept, by a speed above 1e288 rad/s."""
+    torque = inertia * (1e145 if ledger else 1e289) / h
+    stops = {"stop.lower": -1e280, "stop.upper": 1e280}
+    values = {"ledger": ledger, "inertia.shaft": inertia, "cam1.friction": 0.0, "cam2.friction": 0.0}
+    fmu = make_model(models["DualCamForward"])
+    fmu.set(values | stops | {"spring.preload": 0.0, "spring.stiffness": 0.0})
+    fmu.start()
+    fmu.set({"tau": torque})
+    fmu.step(0.01 * h)
+    theta, omega = fmu.get("theta"), fmu.get("omega")
+    assert omega == pytest.approx(0.01 * h * torque / inertia, rel=1e-12)
+    arguments = 0.01 * h, 100.0 * h, 1
+    fmu.refused("fmi2DoStep", *arguments, mentions=("range of numbers",))
+    assert (fmu.get("theta"), fmu.get("omega")) == (theta, omega)
+
+
 @pytest.mark.parametrize("h", [1e15, 1e25, 1e100])
 @pytest.mark.parametrize("curve", [(6, -4, 8), (6, 4, -30), (3, 20, -8), (3, 4, 8), (3, -4, -8), (6, 4, 0)])
 def test_a_cam_that_follows_its_torque_ends_in_the_band_or_at_a_stop_or_is_refused(make_model, h, curve):

@@ -23,7 +23,7 @@ static Params parameters(void) {
     return (Params){.cam = {cam(0.5, 0.06, 1e-15), cam(0.6, 0.05, 1e-15)},
                     .spring = {.preload = 60.0, .stiffness = 8e3, .stiffness2 = 1e5},
                     .damper = {.c_load = 5.0, .c_release = 8.0},
-                    .stop = {.lower = -0.5, .upper = 0.5},
+                    .stop = {.lower = -1.5, .upper = 1.5},
                     .tolerance = 1e-8, .contacts = 2, .ledger = true};
 }
 
