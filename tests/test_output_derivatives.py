@@ -390,8 +390,8 @@ def test_ahead_of_a_change_of_flanks(make_model, way, rate):
 @pytest.mark.parametrize("rate", [400.0, -400.0])
 def test_ahead_of_a_change_of_one_flank(make_model, way, rate, load):
     """Contact 2 carries all of the load at first. By section 3 of docs/mechanism.md its torque is
-    F r_2 tan(lambda_2 + e_2 sigma phi_2). The follower's inertia I gamma' alpha takes this torque, and contact 1
-    carries nothing. Then F_ext puts a load on contact 1, on one flank or on the other."""
+    F r_2 tan(lambda_2 + e_2 sigma phi_2). The follower's inertia I gamma' alpha takes this torque, and
+    contact 1 carries nothing. Then F_ext puts a load on contact 1, on one flank or on the other."""
     lead, radius, friction, inertia = (0.6, 0.9), (0.02, 0.025), 0.1, 0.03
     slope = [r * math.tan(x) for r, x in zip(radius, lead, strict=True)]
     torque = load * radius[1] * math.tan(lead[1] + way * math.copysign(math.atan(friction), load))
