@@ -365,6 +365,13 @@ COMPACT static bool fades_away(const Mechanism *m, const Decision *decision) {
     return slip_mode_from_here(m, present_slip_index(m)).regime == REGIME_VISCOUS && stick_is_on_edge(m, direction);
 }
 
+/* With an inertia a jam takes the speed. A motion that has a speed at the end of a step has not jammed, even if no pair of flanks
+ * carries the reactions from now on. */
+COMPACT static bool jams_next(const Mechanism *m, const Decision *decision) {
+    return decision->mode == MODE_WEDGED && is_slip(m->state.mode) && has_inertia(&m->params) &&
+           m->state.omega.hi != 0.0 && inputs_go_on(m);
+}
+
 Decision decision_of(const Mechanism *m) {
     LinearSlipMode storage;
     const Mode mode = m->state.mode;
@@ -372,7 +379,8 @@ Decision decision_of(const Mechanism *m) {
     if (m->continuous) return present;
     const Decision decision = decide(m, &storage);
     if (is_slip(decision.mode)) return decision;
-    return fades_away(m, &decision) || rest_and_motion_balance(m) ? present : decision;
+    const bool goes_on = fades_away(m, &decision) || jams_next(m, &decision) || rest_and_motion_balance(m);
+    return goes_on ? present : decision;
 }
 
 /* ---- entering a mode ---- */
