@@ -158,7 +158,7 @@ def coverage_part(rows: Sequence[dict[str, str]]) -> str:
     ]
     head = ["room or file", "branches", "taken", "%", "MC/DC, %", "not taken, without a reason"]
     text = BRANCHES.format(tests=len(coverage.TESTS.read_text().split())) + table(head, lines)
-    text += f"\nThe target is {coverage.TARGET:g} % of the branches. " + measured(rows[0])
+    text += f"\nThe target is {coverage.TARGET:g} % of the branches, in each room. " + measured(rows[0])
     text += "`benchmarks/test_strength/unreached.toml` gives the reason for branches that no test takes.\n"
     return text
 
