@@ -11,7 +11,7 @@ import math
 import pytest
 from driver import MODEL_EXCHANGE, models
 from pin_equations import edge
-from reference import STICK, WEDGED
+from reference import LOADING, RELEASING, STICK, WEDGED
 
 FORWARD, INVERSE = models["DualCamForward"], models["DualCamInverse"]
 RADIUS, LEAD, MU = 0.02, (0.44, 0.58), (3.0, 0.17)
@@ -115,3 +115,70 @@ def test_a_locked_release_has_no_indicator_that_falls(make_model):
         assert release == 1.0
         way = RHO * PRELOAD * (1.0 - (0.2 / FREE) ** 2) - tau
         assert load == pytest.approx(way, rel=1e-9)
+
+
+# ---- without load ----
+
+UNLOADED = PARAMETERS | {"spring.preload": 0.0, "spring.stiffness2": 0.0, "stop.lower": -1.0}
+SHAFT, TORQUE = 1e-2, 0.4  # kg.m2, N.m
+SPRING = 2e3  # N/m
+LAWS = {
+    "Coulomb": {},
+    "by speed": {"cam1.friction_peak": 1.0 + 1e-12},
+    "curved spring": {"spring.stiffness3": 1e-9},
+}
+
+
+def pushed(make_model, parameters, torque, h, **forces):
+    fmu = make_model(FORWARD).start(UNLOADED | parameters)
+    fmu.set({"tau": torque})
+    if forces:
+        fmu.set_derivatives(forces)
+    fmu.step(h)
+    return fmu
+
+
+@pytest.mark.parametrize("law", LAWS.values(), ids=LAWS)
+@pytest.mark.parametrize("way", [1, -1])
+def test_without_a_load_nothing_locks(make_model, way, law):
+    """J alpha = tau."""
+    h = 0.05
+    fmu = pushed(make_model, law | {"inertia.shaft": SHAFT}, way * TORQUE, h)
+    assert fmu.get("mode") == (LOADING if way > 0 else RELEASING)
+    assert fmu.get("theta") == pytest.approx(way * TORQUE * h**2 / (2.0 * SHAFT), rel=NEAR)
+    assert heat(fmu) == pytest.approx(0.0, abs=NEAR * TORQUE)
+
+
+@pytest.mark.parametrize("law", LAWS.values(), ids=LAWS)
+@pytest.mark.parametrize("way", [1, -1])
+def test_a_spring_without_preload_loads_either_way(make_model, way, law):
+    """The spring pulls back from either side of its free length, and the edge rho F is finite on both sides:
+    J alpha = tau - rho k z' theta."""
+    h, stiffness = 0.05, RHO * SPRING * LIFT  # N.m/rad
+    parameters = law | {"inertia.shaft": SHAFT, "spring.stiffness": SPRING}
+    fmu = pushed(make_model, parameters, way * TORQUE, h)
+    end = way * TORQUE / stiffness * (1.0 - math.cos(h * math.sqrt(stiffness / SHAFT)))
+    assert fmu.get("theta") == pytest.approx(end, rel=NEAR)
+
+
+@pytest.mark.parametrize("way", [1, -1])
+def test_without_inertia_a_spring_without_preload_holds_the_torque(make_model, way):
+    """tau = rho k z' theta"""
+    torque = 0.25 * TORQUE
+    fmu = pushed(make_model, {"spring.stiffness": SPRING}, way * torque, 0.05)
+    assert fmu.get("theta") == pytest.approx(way * torque / (RHO * SPRING * LIFT), rel=NEAR)
+
+
+@pytest.mark.parametrize("law", LAWS.values(), ids=LAWS)
+@pytest.mark.parametrize(("rate", "mode"), [(30.0, WEDGED), (-30.0, RELEASING)])
+def test_the_load_that_comes_tells_whether_the_contacts_lock(make_model, law, rate, mode):
+    fmu = pushed(make_model, law | {"inertia.shaft": SHAFT}, -TORQUE, 0.05, F_ext=[rate])
+    assert fmu.get("mode") == mode
+    assert (fmu.get("theta") == 0.0) == (mode == WEDGED)
+
+
+def test_a_spring_that_loads_on_both_sides_locks(make_model):
+    """F = k2 z^2 > 0 wherever the follower goes."""
+    parameters = {"inertia.shaft": SHAFT, "spring.stiffness2": 1e5}
+    fmu = pushed(make_model, parameters, -TORQUE, 0.05)
+    assert (fmu.get("mode"), fmu.get("theta")) == (WEDGED, 0.0)

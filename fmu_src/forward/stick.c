@@ -138,6 +138,18 @@ static double side_of(const Mechanism *m, double F_0) {
     return coming != 0 ? coming : F_0;
 }
 
+/* The edges per F_0 that tell whether the mechanism rests. Without a load, now and later, there is no friction: an edge that
+ * is infinite under any load is at zero. */
+COMPACT static BandFactors edges_at_rest(const Mechanism *m, double F_0) {
+    const double side = side_of(m, F_0);
+    BandFactors f = stick_edges(m, side);
+    if (isfinite(f.load) && isfinite(f.release)) return f;
+    if (side != F_0 || fabs(F_0) > stick_tie(m) * stick_axial_size(m)) return f;
+    if (isinf(f.load)) f.load = f.load_rate = 0.0;
+    if (isinf(f.release)) f.release = f.release_rate = 0.0;
+    return f;
+}
+
 /* k-th time derivative of tau - E(F_0) at rest, with `factor` dE/dF_0. Zero if both terms cancel to rounding, or are no
  * more than the rounding of the factor: on a level groove the load passes no torque. Where friction depends on the load,
  * the second derivative of E is left out: it counts only if the first one of F_0 is zero as well. */
@@ -166,7 +178,7 @@ static bool is_beyond(const Mechanism *m, double factor, double rate, double F_0
 
 int stick_direction_beyond_band(const Mechanism *m) {
     const double F_0 = stick_axial_load(m);
-    const BandFactors f = stick_edges(m, side_of(m, F_0));
+    const BandFactors f = edges_at_rest(m, F_0);
     if (is_beyond(m, f.load, f.load_rate, F_0, 1.0)) return 1;
     return is_beyond(m, f.release, f.release_rate, F_0, -1.0) ? -1 : 0;
 }
@@ -174,7 +186,7 @@ int stick_direction_beyond_band(const Mechanism *m) {
 COMPACT_BEGIN
 bool stick_excess_grows(const Mechanism *m, int direction) {
     const double F_0 = stick_axial_load(m);
-    const BandFactors f = stick_edges(m, side_of(m, F_0));
+    const BandFactors f = edges_at_rest(m, F_0);
     const Difference excess =
         direction > 0 ? excess_of(m, f.load, f.load_rate, F_0) : excess_of(m, f.release, f.release_rate, F_0);
     if (fabs(excess.u[0]) > tie_at(m, &excess, 0.0)) return true;
@@ -185,20 +197,20 @@ bool stick_excess_grows(const Mechanism *m, int direction) {
 
 bool stick_is_on_edge(const Mechanism *m, int direction) {
     const double F_0 = stick_axial_load(m);
-    const BandFactors f = stick_edges(m, side_of(m, F_0));
+    const BandFactors f = edges_at_rest(m, F_0);
     const double factor = direction > 0 ? f.load : f.release;
     if (isinf(factor)) return false;
     return fabs(m->inputs.tau[0] - stick_edge(factor, F_0)) <= stick_tie(m) * stick_torque_size(m, factor);
 }
 
 bool stick_locks(const Mechanism *m, int direction) {
-    const BandFactors f = stick_edges(m, side_of(m, stick_axial_load(m)));
+    const BandFactors f = edges_at_rest(m, stick_axial_load(m));
     return isinf(direction > 0 ? f.load : f.release);
 }
 
 Mode stick_mode(const Mechanism *m) {
     const double F_0 = stick_axial_load(m), frictionless_factor = m->configuration.geometry.dz_dtheta;
-    const BandFactors f = stick_edges(m, side_of(m, F_0));
+    const BandFactors f = edges_at_rest(m, F_0);
     if (isinf(f.release) && is_beyond(m, frictionless_factor, frictionless_factor, F_0, -1.0)) return MODE_WEDGED;
     if (isinf(f.load) && is_beyond(m, frictionless_factor, frictionless_factor, F_0, 1.0)) return MODE_WEDGED;
     return MODE_STICK;
