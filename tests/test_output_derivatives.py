@@ -69,6 +69,13 @@ def derivatives(fmu: Driver, names) -> dict:
     return {(name, order): fmu.output_derivative(name, order) for name in names for order in (1, 2)}
 
 
+def refused_derivative(fmu: Driver, name: str, *mentions: str) -> float:
+    """What the refused call leaves of 7.0."""
+    arguments = INVERSE.references([name]), 1, (c_int * 1)(1), (c_double * 1)(7.0)
+    fmu.refused("fmi2GetRealOutputDerivatives", *arguments, mentions=mentions)
+    return arguments[-1][0]
+
+
 def assert_close(found: dict, nodes, samples: dict, h: float, tolerance: float = 1e-6) -> None:
     """`samples`: values at h nodes."""
     for (name, order), value in found.items():
@@ -424,8 +431,7 @@ def test_ahead_of_a_load_on_locked_contacts(make_model, way, rate):
     assert fmu.get("tau") == 0.0
     fmu.set_derivatives(given(motion))
     if way * rate < 0.0:
-        arguments = INVERSE.references(["tau"]), 1, (c_int * 1)(1), (c_double * 1)(7.0)
-        fmu.refused("fmi2GetRealOutputDerivatives", *arguments, mentions=("tau",))
+        refused_derivative(fmu, "tau", "tau")
         return
     found = derivatives(fmu, ["tau"])
     assert_close(found, AHEAD, read_along(fmu, motion, AHEAD * h), h)
@@ -515,16 +521,13 @@ def test_at_stops_and_where_it_is_refused(make_model):
     assert fmu.output_derivative("tau", 1) != 0.0
     fmu.set({"theta": 1.1})
     for name in TORQUE:
-        arguments = INVERSE.references([name]), 1, (c_int * 1)(1), (c_double * 1)(7.0)
-        fmu.refused("fmi2GetRealOutputDerivatives", *arguments, mentions=("theta", "stop.upper"))
-        assert arguments[-1][0] == 7.0
+        assert refused_derivative(fmu, name, "theta", "stop.upper") == 7.0
 
 
 def test_wedged_motion_has_no_torque_and_no_rate_of_it(make_model):
     """No pair of flanks carries a release."""
     fmu = inverse_at(make_model, LINEAR | WEDGING, {"theta": [0.5, -1.0], "F_ext": [0.0]})
-    arguments = INVERSE.references(["tau"]), 1, (c_int * 1)(1), (c_double * 1)(7.0)
-    fmu.refused("fmi2GetRealOutputDerivatives", *arguments, mentions=("wedge",))
+    refused_derivative(fmu, "tau", "wedge")
     assert fmu.output_derivative("z", 1) == fmu.get("v") != 0.0
     assert fmu.output_derivative("v", 2) == pytest.approx(0.0, abs=1e-12)
 

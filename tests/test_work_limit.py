@@ -11,7 +11,12 @@ import re
 
 import pytest
 
+# Of a mechanism of the type `Held`.
 SHARED = """
+static Held held;
+size_t state_size(void) { return sizeof held.state; }
+void state(void *copy) { memcpy(copy, &held.state, sizeof held.state); }
+
 static CamParams cam(double lead_angle, double ellipse_a, double wear) {
     return (CamParams){.radius = 0.02, .lead_angle = lead_angle, .ellipse_a = ellipse_a, .ellipse_b = 0.05,
                        .ellipse_curvature = 1, .profile = PROFILE_ELLIPSE, .friction = 0.2, .wear = wear,
@@ -32,71 +37,66 @@ const char *message(void) { return fault.text; }
 """
 
 INVERSE = (
-    SHARED
+    "typedef Inverse Held;"
+    + SHARED
     + """
-static Inverse inverse;
-size_t state_size(void) { return sizeof inverse.state; }
-void state(void *copy) { memcpy(copy, &inverse.state, sizeof inverse.state); }
-
 /* K: N.m/rad; 0: rigid. */
 bool start(double K, double theta, int64_t limit) {
-    inverse_free(&inverse);
-    memset(&inverse, 0, sizeof inverse);
-    inverse.params = parameters();
-    inverse.params.shaft.stiffness = K;
-    inverse.params.inertia.shaft = 1e-3;
-    inverse.inputs.theta[0] = theta;
-    inverse.work_limit = limit;
-    return inverse_start(&inverse, &fault);
+    inverse_free(&held);
+    memset(&held, 0, sizeof held);
+    held.params = parameters();
+    held.params.shaft.stiffness = K;
+    held.params.inertia.shaft = 1e-3;
+    held.inputs.theta[0] = theta;
+    held.work_limit = limit;
+    return inverse_start(&held, &fault);
 }
 
 double cam_at(double theta, int64_t limit) {
     ElasticShaftState now;
-    inverse.inputs.theta[0] = theta;
-    inverse.work_limit = limit;
-    elastic_shaft_present(&inverse, &now);
+    held.inputs.theta[0] = theta;
+    held.work_limit = limit;
+    elastic_shaft_present(&held, &now);
     return now.x;
 }
 
 bool move(double theta, double omega, double alpha, bool given, double h, int64_t limit) {
-    InverseInputs before = inverse.inputs;
-    inverse.inputs.theta[0] = theta;
-    inverse.inputs.theta[1] = given ? omega : 0.0;
-    inverse.inputs.theta[2] = given ? alpha : 0.0;
-    inverse.inputs.omega[0] = omega;
-    inverse.inputs.F_ext[1] = 20.0;
-    inverse.work_limit = limit;
-    if (inverse_advance(&inverse, h, given ? GIVEN_THETA : GIVEN_ENDS, &fault)) return true;
-    inverse.inputs = before;
+    InverseInputs before = held.inputs;
+    held.inputs.theta[0] = theta;
+    held.inputs.theta[1] = given ? omega : 0.0;
+    held.inputs.theta[2] = given ? alpha : 0.0;
+    held.inputs.omega[0] = omega;
+    held.inputs.F_ext[1] = 20.0;
+    held.work_limit = limit;
+    if (inverse_advance(&held, h, given ? GIVEN_THETA : GIVEN_ENDS, &fault)) return true;
+    held.inputs = before;
     return false;
 }
 """
 )
 
 FORWARD = (
-    SHARED
+    "typedef Mechanism Held;"
+    + SHARED
     + """
-static Mechanism mechanism;
-size_t state_size(void) { return sizeof mechanism.state; }
-void state(void *copy) { memcpy(copy, &mechanism.state, sizeof mechanism.state); }
-
-bool begin(double J, double damping, double load_exponent) {
-    mechanism_free(&mechanism);
-    memset(&mechanism, 0, sizeof mechanism);
-    mechanism.params = parameters();
-    mechanism.params.damper.c_load *= damping;
-    mechanism.params.damper.c_release *= damping;
-    mechanism.params.inertia.shaft = J;
-    mechanism.params.cam[0].law.load_exponent = mechanism.params.cam[1].law.load_exponent = load_exponent;
-    return mechanism_start(&mechanism, &fault);
+bool start(double J, double damping, double load_exponent, int64_t limit) {
+    mechanism_free(&held);
+    memset(&held, 0, sizeof held);
+    held.params = parameters();
+    held.params.damper.c_load *= damping;
+    held.params.damper.c_release *= damping;
+    held.params.inertia.shaft = J;
+    held.params.cam[0].law.load_exponent = held.params.cam[1].law.load_exponent = load_exponent;
+    held.work_limit = limit;
+    return mechanism_start(&held, &fault);
 }
 
 bool step(double tau, double rate, double F_ext, double h, int64_t limit) {
-    const Inputs before = mechanism.inputs;
-    mechanism.inputs = (Inputs){.tau = {tau, rate}, .F_ext = {F_ext}};
-    mechanism.work_limit = limit;
-    if (mechanism_advance(&mechanism, h, &fault)) return true;
-    mechanism.inputs = before;
+    const Inputs before = held.inputs;
+    held.inputs = (Inputs){.tau = {tau, rate}, .F_ext = {F_ext}};
+    held.work_limit = limit;
+    if (mechanism_advance(&held, h, &fault)) return true;
+    held.inputs = before;
     return false;
 }
 """
@@ -110,7 +110,7 @@ class Core:
         self.library = library
         library.message.restype = ctypes.c_char_p
         library.state_size.restype = ctypes.c_size_t
-        for function in ("begin", "start", "move", "step"):
+        for function in ("start", "move", "step"):
             if hasattr(library, function):
                 getattr(library, function).restype = ctypes.c_bool
 
@@ -122,9 +122,12 @@ class Core:
     def message(self) -> str:
         return self.library.message().decode()
 
-    def call(self, function, *values: float | bool, limit: int) -> bool:
+    def call(self, function: str, *values: float | bool, limit: int) -> bool | float:
         arguments = [ctypes.c_bool(v) if isinstance(v, bool) else ctypes.c_double(v) for v in values]
         return getattr(self.library, function)(*arguments, ctypes.c_int64(limit))
+
+    def start(self, *values: float) -> None:
+        assert self.call("start", *values, limit=0), self.message()
 
 
 @pytest.fixture(scope="module")
@@ -155,12 +158,12 @@ def refusals(core, function, *values):
     raise AssertionError("no limit suffices")
 
 
-def refused_limits(core, begin, function, *values):
-    """Their number."""
-    begin()
+def refused_limits(core, start, function, *values):
+    """Their number, from the values `start` on."""
+    core.start(*start)
     assert core.call(function, *values, limit=0), core.message()
     unlimited = core.state()
-    begin()
+    core.start(*start)
     before, count = core.state(), 0
     for _ in refusals(core, function, *values):
         assert core.state() == before
@@ -171,7 +174,7 @@ def refused_limits(core, begin, function, *values):
 
 def test_start_on_an_elastic_shaft(inverse):
     values = 2.0, 0.4  # N.m/rad, rad
-    assert inverse.call("start", *values, limit=0), inverse.message()
+    inverse.start(*values)
     unlimited = inverse.state()
     assert len(list(refusals(inverse, "start", *values))) > 0
     assert inverse.state() == unlimited
@@ -179,7 +182,7 @@ def test_start_on_an_elastic_shaft(inverse):
 
 @pytest.mark.parametrize("theta", [-0.4, 0.4])  # rad
 def test_angle_of_cam_2_before_a_step(inverse, theta):
-    assert inverse.call("start", 2.0, 0.1, limit=0), inverse.message()
+    inverse.start(2.0, 0.1)
     inverse.library.cam_at.restype = ctypes.c_double
     unlimited, before, refused = inverse.call("cam_at", theta, limit=0), inverse.state(), 0
     for limit in limits():
@@ -205,11 +208,8 @@ MOTIONS = {
 @pytest.mark.parametrize("stiffness", [0.0, 2.0, 200.0])  # N.m/rad
 @pytest.mark.parametrize("motion", MOTIONS.values(), ids=MOTIONS)
 def test_imposed_motion(inverse, stiffness, motion):
-    def begin():
-        assert inverse.call("start", stiffness, 0.2, limit=0), inverse.message()
-
     costs_nothing = stiffness == 0.0 and motion == MOTIONS["rest"]
-    assert (refused_limits(inverse, begin, "move", *motion) > 0) != costs_nothing
+    assert (refused_limits(inverse, (stiffness, 0.2), "move", *motion) > 0) != costs_nothing
 
 
 # inertia.shaft in kg.m^2, share of the damper, load exponent
@@ -230,9 +230,4 @@ STEPS = {
 @pytest.mark.parametrize("scene", STEPS.values(), ids=STEPS)
 def test_step(forward, scene):
     mechanism, inputs = scene
-
-    def begin():
-        forward.library.begin.argtypes = [ctypes.c_double] * 3
-        assert forward.library.begin(*mechanism), forward.message()
-
-    assert refused_limits(forward, begin, "step", *inputs) > 0
+    assert refused_limits(forward, mechanism, "step", *inputs) > 0

@@ -6,6 +6,7 @@
 #include "contact/contact_factors.h"
 #include "contact/loaded_contacts.h"
 #include "model/friction_law.h"
+#include "numerics/sign.h"
 #include "numerics/tolerances.h"
 #include "platform/attributes.h"
 
@@ -75,9 +76,13 @@ static bool set_loaded_friction(const Load *load, int direction, const int flank
     return contacts.possible;
 }
 
+int contact_statics_side(const Load *load) {
+    return fabs(load->axial) > REACTION_ROUNDING * load->axial_size ? sign_of(load->axial) : 0;
+}
+
 bool contact_statics_forces(ContactStatics *statics, int direction, const Load *load, ContactForces *forces) {
     const bool loaded = any_friction_depends_on_load(statics->params);
-    const int sign = load->axial < -REACTION_ROUNDING * load->axial_size ? -1 : 1;
+    const int sign = contact_statics_side(load) < 0 ? -1 : 1;
     for (int k = 0; k < FLANK_PAIR_COUNT; k++) {
         flank_pair(k, sign, forces->flank);
         if (loaded && !set_loaded_friction(load, direction, forces->flank, statics)) continue;

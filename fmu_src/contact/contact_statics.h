@@ -42,6 +42,9 @@ typedef struct {
         moment_size; /* sums of the magnitudes of their terms: A and W round by a few eps of these sums */
 } Load;
 
+/* The sign of the axial load; 0: the load is rounding. */
+int contact_statics_side(const Load *load);
+
 /* Torque and reactions of motion in `direction`, on the first pair of flanks (see flank_pair()) that agrees with its
  * own reactions. Where friction depends on the load, the statics receive the coefficients under these reactions. False
  * if no pair agrees: wedged. */

@@ -63,7 +63,7 @@ static int load_trend(const Mechanism *m) {
 static int load_sign(const Mechanism *m, int direction) {
     const double v = has_inertia(&m->params) ? m->configuration.geometry.dz_dtheta * m->state.omega.hi : 0.0;
     const double force = stick_axial_load(m) + damper_force(&m->params.damper, direction, v);
-    if (fabs(force) > stick_tie(m) * stick_axial_size(m)) return sign_of(force);
+    if (stick_force_counts(m, force)) return sign_of(force);
     const int trend = load_trend(m);
     if (trend != 0) return trend;
     return m->params.spring.stiffness != 0.0 ? direction : 1;

@@ -31,6 +31,10 @@ double stick_axial_size(const Mechanism *m) {
     return axial_size(m, m->inputs.F_ext[0]);
 }
 
+bool stick_force_counts(const Mechanism *m, double force) {
+    return fabs(force) > stick_tie(m) * stick_axial_size(m);
+}
+
 bool stick_is_unloaded(const Mechanism *m) {
     return fabs(stick_axial_load(m)) <= STICK_TIE_CURVED * stick_axial_size(m);
 }
@@ -132,7 +136,7 @@ static Difference load_of(const Mechanism *m, double F_0) {
 
 /* F_0, or, where F_0 is no more than rounding, the sign that F_0 is about to take. */
 static double side_of(const Mechanism *m, double F_0) {
-    if (fabs(F_0) > stick_tie(m) * stick_axial_size(m)) return F_0;
+    if (stick_force_counts(m, F_0)) return F_0;
     const Difference load = load_of(m, F_0);
     const int coming = sign_of_difference(m, &load);
     return coming != 0 ? coming : F_0;
@@ -143,8 +147,7 @@ static double side_of(const Mechanism *m, double F_0) {
 COMPACT static BandFactors edges_at_rest(const Mechanism *m, double F_0) {
     const double side = side_of(m, F_0);
     BandFactors f = stick_edges(m, side);
-    if (isfinite(f.load) && isfinite(f.release)) return f;
-    if (side != F_0 || fabs(F_0) > stick_tie(m) * stick_axial_size(m)) return f;
+    if (side != F_0 || stick_force_counts(m, F_0)) return f;
     if (isinf(f.load)) f.load = f.load_rate = 0.0;
     if (isinf(f.release)) f.release = f.release_rate = 0.0;
     return f;

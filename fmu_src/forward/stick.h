@@ -20,6 +20,9 @@ double stick_axial_load(const Mechanism *m); /* F_0, N */
 double stick_axial_size(const Mechanism *m);
 double stick_torque_size(const Mechanism *m, double factor);
 
+/* Is the axial force, N, more than the rounding of F_0? */
+bool stick_force_counts(const Mechanism *m, double force);
+
 /* Is F_0 zero, to the rounding of a reaction? */
 bool stick_is_unloaded(const Mechanism *m);
 

@@ -6,7 +6,6 @@
 #include "inverse/elastic_shaft.h"
 #include "inverse/rigid_shaft.h"
 #include "model/elements.h"
-#include "numerics/tolerances.h"
 #include "platform/attributes.h"
 
 COMPACT_BEGIN
@@ -71,7 +70,8 @@ static void balance_on_flanks(const Inverse *m, const OperatingPoint *at, const 
 
 /* The sign of the axial load, or of the load that follows where there is none now. */
 static int load_side(const Load *load, const Taylor *t) {
-    if (fabs(load->axial) > REACTION_ROUNDING * load->axial_size) return load->axial < 0.0 ? -1 : 1;
+    const int now = contact_statics_side(load);
+    if (now != 0) return now;
     return sign_ahead(&t->load, 1) < 0 ? -1 : 1;
 }
 

@@ -99,18 +99,15 @@ def rounding_by_angle(fmu: Driver, parameters: Mapping[str, Any]) -> float:
     return ANGLE * max(map(abs, (parameters["stop.lower"], parameters["stop.upper"]))) * rate
 
 
-def loads_are_rounding(runs: Sequence[Driver], parameters: Mapping[str, Any]) -> bool:
+def loads_are_rounding(
+    runs: Sequence[Driver], parameters: Mapping[str, Any], grooves: Sequence[Groove]
+) -> bool:
     """Have all runs come to angles beside a dwell at which the slope of a groove is not zero, but so small
     that no reaction tells where the contacts jam?"""
-    groove = Mechanism(parameters, DOUBLE).groove
-
-    def slopes_at(theta: float) -> tuple[Any, Any]:
-        place = groove.at(theta)
-        return place.a1, place.a2
-
     angles = np.linspace(parameters["stop.lower"], parameters["stop.upper"], 257)
-    steepest = max(max(slopes_at(float(theta))) for theta in angles)
-    now = zip(*(slopes_at(fmu.get("theta")) for fmu in runs), strict=True)
+    places = map(Mechanism(parameters, DOUBLE).groove.at, map(float, angles))
+    steepest = max(max(place.a1, place.a2) for place in places)
+    now = zip(*(slopes(fmu, grooves) for fmu in runs), strict=True)
     return any(min(slope) > 0.0 and max(slope) <= ZERO_SHARE * steepest for slope in now)
 
 
@@ -188,7 +185,7 @@ def judge(make: Callable[[], Driver], scene: Scene) -> Verdict:
                 allowed += rounding_by_angle(whole, scene.parameters)
             if abs(second - first) <= allowed:
                 continue
-            if name == "theta" and loads_are_rounding((whole, cut), scene.parameters):
+            if name == "theta" and loads_are_rounding((whole, cut), scene.parameters, grooves):
                 return Verdict(Outcome.SENSITIVE, k)
             moved = moved_by_nudges(make, scene, k + 1, unit, name, first)
             if moved > STEADY * size or abs(second - first) <= allowed + 10 * moved:
