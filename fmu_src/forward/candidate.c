@@ -95,10 +95,15 @@ static Candidate closed_form_candidate(const Mechanism *m, const LinearSlipMode 
 
 /* ---- in grooves of any shape ---- */
 
+/* rad, a share of the width of the piece of the grooves. */
+static double angle_ahead(const SlipMode *slip) {
+    return 2.0 * CANDIDATE_LOOK_AHEAD / slip->piece->scale;
+}
+
 /* s, in which neither the motion nor the grooves change much. At rest on a dwell without load nothing but the torque sets
  * the motion: the time scale is infinite, and the angle alone limits the look ahead. */
 static double look_ahead(const SlipMode *slip, const Balance *now, const Candidate *candidate) {
-    const double angle = 2.0 * CANDIDATE_LOOK_AHEAD / slip->piece->scale; /* a share of the width of the piece */
+    const double angle = angle_ahead(slip);
     const double by_alpha = sqrt(2.0 * angle / fabs(candidate->alpha));
     const double by_jerk = elementary_cbrt(6.0 * angle / fabs(candidate->jerk));
     const double by_time = CANDIDATE_LOOK_AHEAD * min_of(1.0, radau_step_time_scale(slip, now));
@@ -138,6 +143,10 @@ static bool is_visible(double x, double size) {
     return fabs(x) > REACTION_ZERO_SHARE * size;
 }
 
+static bool is_undecided(const Candidate *candidate, int i) {
+    return !is_visible(candidate->contact[i].value, candidate->size[i].value);
+}
+
 /* A rate that cannot lift x_i out of its rounding within dt does not tell the flank, if x_i has left on the other side
  * by then. */
 COMPACT static void drop_faint_rate(Candidate *candidate, int i, double dt) {
@@ -146,34 +155,66 @@ COMPACT static void drop_faint_rate(Candidate *candidate, int i, double dt) {
     if (against && !is_visible(c->rate * dt, candidate->size[i].value)) c->rate = 0.0;
 }
 
+/* Does x_i exceed its rounding after dt? The terms of x_i grow as well, and their rounding with them. */
+static bool is_visible_after(const Candidate *candidate, int i, double x, double dt) {
+    return is_visible(x, CANDIDATE_COARSE * (candidate->size[i].value + dt * candidate->size[i].rate));
+}
+
+/* Is x_i rounding now and at each look ahead? */
+static bool hides(const Candidate *candidate, const double visible_at[2], int i) {
+    return visible_at[i] == 0.0 && is_undecided(candidate, i);
+}
+
+/* On a groove that is nearly level, a motion from rest shows no x_i within the look ahead. Then the motion under the present
+ * inputs decides: x_i at the first of some longer times at which one exceeds its rounding, as long as neither the inputs nor
+ * the damping change the acceleration. */
+COMPACT static void look_farther(const SlipMode *slip, const Balance *now, Candidate *candidate, double dt,
+                                 double visible_at[2]) {
+    const double alpha = candidate->alpha;
+    if (alpha == 0.0) return;
+    const double by_alpha = sqrt(2.0 * angle_ahead(slip) / fabs(alpha));
+    const double by_time = CANDIDATE_LOOK_FARTHER * radau_step_time_scale(slip, now);
+    const double farthest = min_of(min_of(by_alpha, by_time), fabs(alpha / candidate->jerk));
+    for (int n = 0; n < CANDIDATE_LOOKS && dt < farthest; n++) {
+        if (!hides(candidate, visible_at, 0) && !hides(candidate, visible_at, 1)) return;
+        dt = min_of(dt / CANDIDATE_LOOK_SHORTER, farthest);
+        Balance later;
+        if (!balance_after(slip, now->theta + dt * dt / 2.0 * alpha, dt * alpha, 0.0, &later)) return;
+        if (has_locked(slip, now, &later)) return;
+        for (int i = 0; i < 2; i++) {
+            if (!hides(candidate, visible_at, i) || !isfinite(later.x[i])) continue;
+            if (!is_visible_after(candidate, i, later.x[i], dt)) continue;
+            candidate->contact[i].second = later.x[i];
+            visible_at[i] = dt;
+        }
+    }
+}
+
 /* Inputs can begin as slowly as t^3, and loads change their sign soon after. Where neither x_i nor its rate tells the
  * flank, the value of x_i a little later decides, at the shortest of some times at which x_i exceeds its rounding. This
  * value takes the place of the second derivative. */
 COMPACT static void extrapolate_contacts(const SlipMode *slip, const Balance *now, Candidate *candidate) {
-    double dt = look_ahead(slip, now, candidate), visible_at[2] = {0.0, 0.0};
+    const double first = look_ahead(slip, now, candidate);
+    double dt = first, visible_at[2] = {0.0, 0.0};
     bool visible = true;
     for (int n = 0; n < CANDIDATE_LOOKS && visible; n++, dt *= CANDIDATE_LOOK_SHORTER) {
         double x[2];
         if (!contacts_after(slip, now, candidate, dt, x)) continue;
         visible = false;
         for (int i = 0; i < 2; i++) {
-            /* The terms of x_i grow as well, and their rounding with them. */
-            const double size = candidate->size[i].value + dt * candidate->size[i].rate;
-            if (!is_visible(x[i], CANDIDATE_COARSE * size)) continue;
+            if (!is_visible_after(candidate, i, x[i], dt)) continue;
             visible = true;
             candidate->contact[i].second = x[i];
             visible_at[i] = dt;
         }
     }
+    if (slip->regime == REGIME_INERTIAL && candidate->omega == 0.0)
+        look_farther(slip, now, candidate, first, visible_at);
     for (int i = 0; i < 2; i++) {
         drop_faint_rate(candidate, i, visible_at[i]);
         candidate->unseen[i] &= visible_at[i] == 0.0;
         candidate->size[i].second = candidate->size[i].value;
     }
-}
-
-static bool is_undecided(const Candidate *candidate, int i) {
-    return !is_visible(candidate->contact[i].value, candidate->size[i].value);
 }
 
 /* The rounding of theta changes x_i however small the load is: through the spring, and where the grooves bend sharply

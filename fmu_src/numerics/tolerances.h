@@ -362,8 +362,7 @@ static const double STICK_HEIGHT_SHARE = 0.1, STICK_SLOPE_SHARE = 0.01;
  * Helices with linear forces know both rates exactly. */
 static const double STICK_RATE_CANCELLED = 1e-12;
 
-/* The modes other than stick end this many ties short of the band's edge: a tie at the edge is stick. */
-static const double STICK_MARGIN_TIES = 4.0;
+static const double STICK_MARGIN_TIES = 4.0; /* short of the edge, where modes other than stick end: a tie is stick */
 
 /* On the band's edge rounding can press the torque out of the band where no slip mode agrees. Then rest lasts until the
  * torque is beyond the edge by this many ties. */
@@ -377,9 +376,10 @@ static const double CANDIDATE_COARSE = 10.0, CANDIDATE_COARSE_VARYING = 1000.0;
 static const double CANDIDATE_AT_JAM = 1e9;
 
 /* CANDIDATE_STEADY: s, a rate that changes a reaction by less than its rounding in this time counts as zero. Where neither
- * a reaction nor its rate tells the flank, the reaction a little later decides: after this share of the motion's time
- * scale and of a piece of the grooves, and after at most 1e-3 s. The next look is shorter by this factor. */
-static const double CANDIDATE_STEADY = 1.0, CANDIDATE_LOOK_AHEAD = 1e-3, CANDIDATE_LOOK_SHORTER = 0.125;
+ * a reaction nor its rate tells the flank, the reaction a little later decides: after the share LOOK_AHEAD of the motion's
+ * time scale and of a piece of the grooves, and after at most 1e-3 s; from rest, after up to the share LOOK_FARTHER. */
+static const double CANDIDATE_STEADY = 1.0, CANDIDATE_LOOK_AHEAD = 1e-3, CANDIDATE_LOOK_FARTHER = 0.1;
+static const double CANDIDATE_LOOK_SHORTER = 0.125; /* the next look over this one */
 enum { CANDIDATE_LOOKS = 8 };
 
 /* Rounding of theta, as a share of the largest angle, over REACTION_ZERO_SHARE: a reaction that is smaller than the

@@ -166,12 +166,18 @@ def rests(fmu: Driver, mechanism, parameters) -> bool:
         return min(lowest, *releases) - rounding <= tau <= max(highest, *loadings) + rounding
     # the reference leaves out edges whose reactions are more than 1e4 times the load: whether the contacts or
     # the stop hold a torque toward the stop is open where it has no other edge
+    highest = load if mechanism.is_loaded and math.isinf(release) else release
+    lowest = release if mechanism.is_loaded and math.isinf(load) else load
     if mode == LOWER_STOP:
-        highest = load if mechanism.is_loaded and math.isinf(release) else release
-        return theta == parameters["stop.lower"] and tau <= highest + rounding
+        return theta == stops[0] and tau <= highest + rounding
     if mode == UPPER_STOP:
-        lowest = release if mechanism.is_loaded and math.isinf(load) else load
-        return theta == parameters["stop.upper"] and tau >= lowest - rounding
+        return theta == stops[1] and tau >= lowest - rounding
+    # theta is known to a rounding of the farther stop: so near a stop, the stop holds the torque toward it
+    angle = 4 * EPS * max(map(abs, stops))
+    if theta - stops[0] <= angle and tau <= highest:
+        return True
+    if stops[1] - theta <= angle and tau >= lowest:
+        return True
     if not release <= tau <= load:
         if mechanism.is_loaded and loaded_wedges(mechanism, theta, tau, pull):
             return True
