@@ -26,11 +26,12 @@ usage: ./build.sh [command] [arguments]
            STEP files (a minute); arguments go to pytest
   wheel    as `all`, then pack the Python package and all FMUs into one wheel in dist/, which needs no compiler
   test     build, then run the tests; arguments go to pytest; without arguments the build is for all platforms
-  fuzz     build, then look for mechanisms and inputs that break a law, and for texts that break a reader (minutes);
+  fuzz     build, then look for mechanisms and inputs that break a law, and for texts that break a reader (an hour);
            arguments go to pytest. `fuzz calls`: libFuzzer calls the C code of both standards in any order (eight
            minutes; --minutes N for each of four programs); `fuzz calls --coverage`: the code that its inputs reach.
            `fuzz cuts`: counts random scenes whose answer depends on how an interval is cut into steps (ten minutes;
-           --minutes N), into benchmarks/results/cut_scan.csv
+           --minutes N), into benchmarks/results/cut_scan.csv. `fuzz record --seed N`: the
+           first form, with a row in benchmarks/results/fuzz_runs.csv
   bench    build, then run cost, loop, skipping, worst, growth, precision (about seven minutes), which writes benchmarks/results/ and
            docs/performance.md; --quick: few rounds, into build/quick; names of some of them: these only
   cost     build, then run benchmarks.step_cost (half a minute): the cost of a step, and its limit
@@ -201,8 +202,12 @@ case $command in
         elif [ "${1-}" = cuts ]; then
             run_program '.[test]' -m benchmarks.cut_scan "${@:2}"
         fi
-        run_program '.[test]' -m pytest tests/test_properties.py tests/test_reader_mutations.py \
-            tests/test_extreme_values.py --hypothesis-profile long -o faulthandler_timeout=0 "$@"
+        long=(tests/test_properties.py tests/test_reader_mutations.py tests/test_extreme_values.py
+            --hypothesis-profile long -o faulthandler_timeout=0)
+        if [ "${1-}" = record ]; then
+            run_program '.[test]' -m benchmarks.fuzz_runs "${long[@]}" "${@:2}"
+        fi
+        run_program '.[test]' -m pytest "${long[@]}" "$@"
         ;;
     bench) run_program '.[bench]' -m benchmarks.bench "$@" ;;
     cost) run_program '.[build]' -m benchmarks.step_cost "$@" ;;
