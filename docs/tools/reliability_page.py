@@ -94,6 +94,29 @@ def outcomes() -> list[Outcome]:
     return [Outcome(row[0], int(row[1]), int(row[2]), int(row[4]), int(row[5])) for row in rows]
 
 
+def long_fuzzing() -> str:
+    """What the last long runs found, a sentence."""
+    runs = read("fuzz_runs")
+    if not runs or runs[-1]["findings"] != "0":
+        return "Long fuzzing with other scenes still finds wrong ones."
+    clean = sum(run["findings"] == "0" for run in runs)
+    return f"{clean} of {len(runs)} runs of an hour with other scenes found none that is wrong."
+
+
+def long_runs() -> str:
+    """The table of long runs."""
+    runs = read("fuzz_runs")
+    if not runs:
+        return ""
+    keys = ("seed", "commit", "minutes", "examples", "findings")
+    rows = [[f"{int(run[key]):,}" if key == "examples" else run[key] for key in keys] for run in runs]
+    return f"""\
+Recorded runs of `./build.sh fuzz` (`./build.sh fuzz record --seed N`). A finding is a test that failed.
+
+{table(keys, rows)}
+{measured(runs)}"""
+
+
 def verdict() -> str:
     laws = {
         "everything at random": "Coulomb friction",
@@ -113,8 +136,8 @@ def verdict() -> str:
 - **Do the numbers follow from the equations?** Yes, to the bounds of [accuracy.md](accuracy.md) in ordinary
   scenes. Of the {number:,} extreme random scenes of [stress.md](stress.md) {amount} wrong: {counts}.
   {refused:,} of them are refused with a message: [limits.md](limits.md#when-a-step-is-refused) has the
-  remedies. Long fuzzing with other scenes still finds wrong ones:
-  [limits.md](limits.md#found-by-random-scenes).
+  remedies. {long_fuzzing()}
+  [Fuzzing](#fuzzing) has the runs, and [limits.md](limits.md#found-by-random-scenes) what they found.
 - **Do the equations describe a real cam?** Not shown. No hardware was measured for this project. The paper
   behind it compares its model with a bench: [paper.md](paper.md). Clearance of the grooves, an elastic pin
   and heat are not in the FMUs: [limits.md](limits.md#of-the-model).
@@ -154,9 +177,9 @@ of tables and of saved states. Sanitizers watch addresses and undefined behaviou
 target checks: no NaN under OK, each step ends at its time, no energy from nothing, a refused call changes
 nothing, a restored state repeats its step bit for bit, a reset instance equals a new one. The corpus has
 {len(files)} inputs, {size // 1000} kB; the suite plays them all. Commands: `./build.sh fuzz calls`, and
-`./build.sh fuzz` for mechanisms, extreme values, design files and plans. Long runs of `./build.sh fuzz`
-still find mechanisms whose results are wrong: [limits.md](limits.md#found-by-random-scenes).
-"""
+`./build.sh fuzz` for mechanisms, extreme values, design files and plans.
+
+{long_runs()}"""
 
 
 FAULTS = """\
