@@ -231,6 +231,47 @@ def test_a_short_dip_of_the_load_ends_rest(make_model, middle):
     assert moved == pytest.approx(fine, rel=1e-6)
 
 
+# ---- a motion of which Newton's method loses the answer ----
+
+# Two steep helices. Friction of contact 1 falls with its load: below 199 N the axial force of the contact is
+# negative, and the motion goes on at reactions of 114 to 92 N, which settle. Off the flanks the balance has
+# another answer, near 0.2 N. From 0.5 s on Newton's method ends there in some steps.
+RADIUS, LEAD = (1e-3, 10**-2.5), 1.5
+STEEP = FREE | cam(1, RADIUS[0], LEAD, 1.0, -0.5, 1.0) | cam(2, RADIUS[1], LEAD, 0.0)
+STEEP |= {"damper.c_load": 0.0, "damper.c_release": 0.0, "spring.stiffness": 1.0, "shaft.damping": 1.0}
+STEEP |= {"inertia.shaft": 1.0, "inertia.follower_mass": 1.0, "stop.upper": 1.0}
+
+
+def motion_on_the_large_answer():
+    """theta and omega after 1 s with tau = 1 N.m, F_ext = -1 N/s t, by DOP853."""
+    first, slope = contact(STEEP, 1, 1), [r * math.tan(LEAD) for r in RADIUS]
+    lift = slope[0] * slope[1] / sum(slope)
+
+    def rates(t, y):
+        theta, omega = y
+
+        def missed(reaction):
+            alpha = 1.0 - omega - first.torque(reaction)
+            axial = lift * theta - t + lift * alpha
+            return first.torque(reaction) / slope[1] + first.axial(reaction) - axial
+
+        reaction = brentq(missed, 60.0, 190.0, xtol=1e-300, rtol=1e-15)
+        return [omega, 1.0 - omega - first.torque(reaction)]
+
+    return solve_ivp(rates, (0.0, 1.0), [0.0, 0.0], "DOP853", rtol=1e-13, atol=1e-15).y[:, -1]
+
+
+@pytest.mark.parametrize("steps", [1, 2, 3, 7, 30])
+def test_a_motion_keeps_the_answer_that_newtons_method_loses(make_model, steps):
+    """A step had nodes on both answers: the angle erred by 1e-7."""
+    fmu = make_model(FORWARD).start(STEEP)
+    for k in range(steps):
+        fmu.set({"tau": 1.0, "F_ext": -k / steps})
+        fmu.set_rates(F_ext=-1.0)
+        fmu.step(1.0 / steps)
+    assert [fmu.get("theta"), fmu.get("omega")] == pytest.approx(motion_on_the_large_answer(), rel=1e-9)
+
+
 # ---- without inertia: the torque limits the speed ----
 
 

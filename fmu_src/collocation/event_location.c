@@ -147,6 +147,18 @@ COMPACT static bool ends_on_loss(const SegmentLimits *limits, StepIndicator indi
     return false;
 }
 
+/* Does a node inside the step have another answer than the end, off the flank? The acceleration of the step is then a mixture
+ * of two motions, and a shorter step shows the loss. */
+COMPACT static bool mixes_answers(const SegmentLimits *limits, StepIndicator indicator, const RadauStep *step) {
+    const SlipMode *slip = limits->slip;
+    if (!slip->friction_is_loaded || slip->searches || slip->regime != REGIME_INERTIAL) return false;
+    const int i = indicator == STEP_FLANK_1 ? 0 : 1;
+    const double lost = LOCATION_LOST_SHARE * reaction_size(limits, indicator, step);
+    bool mixes = false;
+    for (int j = 0; j < step->method->stages; j++) mixes |= slip->flank[i] * step->node[j].x[i] < -lost;
+    return mixes;
+}
+
 /* Lengthens the step by roundings until the indicator is not positive at its end: a reaction that is only nearly zero
  * would keep its flank, and without inertia a speed its direction. If no such step is found, the step stays as it
  * is. */
@@ -248,6 +260,8 @@ static bool end_on_first_event(const SegmentLimits *limits, const StopAhead *sto
         if (result == CROSSING_REACHED && !lost && must_step_past(limits, first)) step_past_zero(limits, first, step);
         *solved = step->h;
         if (result == CROSSING_BLOCKED) return false;
+        if (result == CROSSING_NONE && step_indicator_is_flank(first) && mixes_answers(limits, first, &before))
+            return false;
         const bool turns =
             first == STEP_TO_STOP && turns_at_stop(limits->slip, stop, step) && ends_at_stop(limits, &before);
         if (result == CROSSING_REACHED && !turns) {

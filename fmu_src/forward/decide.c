@@ -429,10 +429,10 @@ static bool take_other_flanks(Mechanism *m, int searches) {
 }
 
 bool leave_lost_flanks(Mechanism *m) {
+    const bool may_search = m->model.friction_is_loaded && !m->state.searches;
+    if (may_search && take_slip(m, present_pair_index(m) + SLIP_SEARCHES)) return true;
     if (take_other_flanks(m, 0)) return true;
-    if (!m->model.friction_is_loaded) return false;
-    if (!m->state.searches && take_slip(m, present_pair_index(m) + SLIP_SEARCHES)) return true;
-    return take_other_flanks(m, SLIP_SEARCHES);
+    return m->model.friction_is_loaded && take_other_flanks(m, SLIP_SEARCHES);
 }
 
 void let_go(Mechanism *m, int direction) {

@@ -30,9 +30,9 @@ int slip_mode_of_moving(Mechanism *m, int direction);
  * support the coming axial load, if these agree with their reactions. */
 void let_go(Mechanism *m, int direction);
 
-/* The present flanks have lost their motion, although a decision finds them possible: takes the first other pair that
- * agrees and has a motion. Where friction depends on the load, and no other pair has, the answers are searched: of the present
- * pair first. False if there is none. */
+/* The present flanks have lost their motion, although a decision finds them possible. Where friction depends on the load, the
+ * answers of the present pair are searched first: Newton's method can have lost them. Then the first other pair is taken that
+ * agrees and has a motion. False if there is none. */
 bool leave_lost_flanks(Mechanism *m);
 
 /* Does rate-independent slip begin with a jump? True unless the torque is on the edge of the stick band already. */
