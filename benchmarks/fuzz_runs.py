@@ -8,6 +8,7 @@ The row counts the examples that hypothesis drew and names the tests that failed
 from __future__ import annotations
 
 import csv
+import os
 import re
 import subprocess
 import sys
@@ -25,12 +26,13 @@ COUNT = re.compile(r"(\d+) (passed|failed|error)")
 
 
 def played(pytest: Sequence[str], seed: int) -> Iterator[str]:
-    """The lines that pytest prints."""
+    """What pytest prints, piece by piece: its line of dots shows the progress."""
     words = [*pytest, f"--hypothesis-seed={seed}", "--hypothesis-show-statistics"]
     command = [sys.executable, "-m", "pytest", *words]
-    with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True) as run:
+    with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE) as run:
         assert run.stdout is not None
-        yield from run.stdout
+        while piece := os.read(run.stdout.fileno(), 65536):
+            yield piece.decode(errors="replace")
 
 
 def row_of(text: str, seed: int, seconds: float) -> dict[str, str]:
@@ -60,9 +62,9 @@ def main() -> int:
     parser.add_argument("--seed", type=int, required=True, help="of hypothesis")
     arguments, pytest = parser.parse_known_args()
     console, facts, begin, text = results.new_console(), circumstances("fuzz record"), time.monotonic(), ""
-    for line in played(pytest, arguments.seed):
-        text += line
-        print(line, end="", flush=True)
+    for piece in played(pytest, arguments.seed):
+        text += piece
+        print(piece, end="", flush=True)
     row = row_of(text, arguments.seed, time.monotonic() - begin)
     facts["command"] = f"./build.sh fuzz record --seed {arguments.seed}"
     results.say_facts(facts, console)

@@ -79,6 +79,7 @@ TESTS_OF_BENCHMARKS = tuple(
         "coupling",
         "cut_scan",
         "elementary",
+        "fuzz_runs",
         "own_plant",
         "performance",
         "stick_slip",
