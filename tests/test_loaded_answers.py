@@ -10,7 +10,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from driver import models
-from reference import DOUBLE, Mechanism
+from reference import DOUBLE, Mechanism, write_table
 from reference.friction import FrictionLaw, LoadedContact
 from reference.parameters import DEFAULTS
 from scipy.integrate import solve_ivp
@@ -236,15 +236,15 @@ def test_a_short_dip_of_the_load_ends_rest(make_model, middle):
 # Two steep helices. Friction of contact 1 falls with its load: below 199 N the axial force of the contact is
 # negative, and the motion goes on at reactions of 114 to 92 N, which settle. Off the flanks the balance has
 # another answer, near 0.2 N. From 0.5 s on Newton's method ends there in some steps.
-RADIUS, LEAD = (1e-3, 10**-2.5), 1.5
-STEEP = FREE | cam(1, RADIUS[0], LEAD, 1.0, -0.5, 1.0) | cam(2, RADIUS[1], LEAD, 0.0)
-STEEP |= {"damper.c_load": 0.0, "damper.c_release": 0.0, "spring.stiffness": 1.0, "shaft.damping": 1.0}
-STEEP |= {"inertia.shaft": 1.0, "inertia.follower_mass": 1.0, "stop.upper": 1.0}
+RADII, LEAD = (1e-3, 10**-2.5), 1.5
+FALLING = FREE | cam(1, RADII[0], LEAD, 1.0, -0.5, 1.0) | cam(2, RADII[1], LEAD, 0.0)
+FALLING |= {"damper.c_load": 0.0, "damper.c_release": 0.0, "spring.stiffness": 1.0, "shaft.damping": 1.0}
+FALLING |= {"inertia.shaft": 1.0, "inertia.follower_mass": 1.0, "stop.upper": 1.0}
 
 
 def motion_on_the_large_answer():
     """theta and omega after 1 s with tau = 1 N.m, F_ext = -1 N/s t, by DOP853."""
-    first, slope = contact(STEEP, 1, 1), [r * math.tan(LEAD) for r in RADIUS]
+    first, slope = contact(FALLING, 1, 1), [r * math.tan(LEAD) for r in RADII]
     lift = slope[0] * slope[1] / sum(slope)
 
     def rates(t, y):
@@ -264,12 +264,70 @@ def motion_on_the_large_answer():
 @pytest.mark.parametrize("steps", [1, 2, 3, 7, 30])
 def test_a_motion_keeps_the_answer_that_newtons_method_loses(make_model, steps):
     """A step had nodes on both answers: the angle erred by 1e-7."""
-    fmu = make_model(FORWARD).start(STEEP)
+    fmu = make_model(FORWARD).start(FALLING)
     for k in range(steps):
         fmu.set({"tau": 1.0, "F_ext": -k / steps})
         fmu.set_rates(F_ext=-1.0)
         fmu.step(1.0 / steps)
     assert [fmu.get("theta"), fmu.get("omega")] == pytest.approx(motion_on_the_large_answer(), rel=1e-9)
+
+
+# ---- rest that ends after a load has come ----
+
+# Groove 1 is level, groove 2 a helix: the follower turns with the shaft. Friction of contact 2 grows with the
+# load. Without load nothing holds a torque; under the smallest F_ext the contacts lock each other and hold
+# 0.0053 N.m. F_ext falls with 1 N/s, and the torque grows with 1 N.m/s.
+LEVEL_BESIDE_A_HELIX = {
+    **FREE,
+    **cam(1, 0.01, 1.0, 0.01, -0.75, 100.0),
+    **cam(2, 0.01, 0.5, 0.1, 0.5, 0.1),
+    **{"cam1.profile": 3, "cam1.friction_peak": 2.0, "cam1.friction_viscous": 1.0},
+    **{"cam1.stribeck_velocity": 1.0, "damper.c_load": 0.0, "damper.c_release": 0.0, "shaft.damping": 0.0},
+    **{"inertia.shaft": 1.0, "inertia.follower_mass": 0.0, "inertia.follower": 0.01},
+    "stop.upper": 1.0,
+}
+LEVEL = ([0.0, 0.35, 0.7, 1.05], [0.0] * 4)
+
+
+class TurningWithTheFollower:
+    """On the flanks e = -1 and 1. The groove of cam 1 passes on the torque of friction alone."""
+
+    shaft, follower = 1.0, 0.01  # kg.m2
+
+    def __init__(self):
+        full = DEFAULTS | LEVEL_BESIDE_A_HELIX
+        self.law, self.second = FrictionLaw.of_cam(full, 1), contact(LEVEL_BESIDE_A_HELIX, 2, 1)
+        self.near = 0.74  # N, a reaction of contact 2 near that which is sought
+
+    def alpha(self, t, omega):
+        def missed(reaction):
+            torque = self.second.torque(reaction)
+            alpha = (t - torque) / self.shaft
+            first = t + self.second.axial(reaction)  # N, of contact 1 in a level groove
+            rubs = 0.01 * self.law.at(0.01 * omega, first) * first
+            return torque - rubs - self.follower * alpha
+
+        low, high = 0.9 * self.near, 1.1 * self.near
+        self.near = brentq(missed, low, high, xtol=1e-300, rtol=1e-15)
+        return (t - self.second.torque(self.near)) / self.shaft
+
+
+@pytest.mark.parametrize("steps", [1, 2, 3, 10])
+def test_rest_ends_when_the_torque_leaves_contacts_that_lock_each_other(make_model, tmp_path, steps):
+    """In one step rest ended 5e-3 s late."""
+    table = tmp_path / "level.csv"
+    write_table(table, *LEVEL)
+    fmu = make_model(FORWARD).start(LEVEL_BESIDE_A_HELIX | {"cam1.table": str(table)})
+    for k in range(steps):
+        fmu.set({"tau": k / steps, "F_ext": -k / steps})
+        fmu.set_rates(tau=1.0, F_ext=-1.0)
+        fmu.step(1.0 / steps)
+    motion = TurningWithTheFollower()
+    begin = brentq(lambda t: motion.alpha(t, 0.0), 0.005, 0.006, xtol=1e-16)
+    end = solve_ivp(
+        lambda t, y: [y[1], motion.alpha(t, y[1])], (begin, 1.0), [0.0, 0.0], "DOP853", rtol=1e-12, atol=1e-15
+    )
+    assert [fmu.get("theta"), fmu.get("omega")] == pytest.approx(end.y[:, -1], rel=1e-9)
 
 
 # ---- without inertia: the torque limits the speed ----

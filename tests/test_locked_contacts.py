@@ -11,7 +11,7 @@ import math
 import pytest
 from driver import MODEL_EXCHANGE, models
 from pin_equations import edge
-from reference import LOADING, RELEASING, STICK, WEDGED
+from reference import DOUBLE, LOADING, RELEASING, STICK, WEDGED, Mechanism
 
 FORWARD, INVERSE = models["DualCamForward"], models["DualCamInverse"]
 RADIUS, LEAD, MU = 0.02, (0.44, 0.58), (3.0, 0.17)
@@ -167,6 +167,30 @@ def test_without_inertia_a_spring_without_preload_holds_the_torque(make_model, w
     torque = 0.25 * TORQUE
     fmu = pushed(make_model, {"spring.stiffness": SPRING}, way * torque, 0.05)
     assert fmu.get("theta") == pytest.approx(way * torque / (RHO * SPRING * LIFT), rel=NEAR)
+
+
+# In this curved groove the height at theta = 0 is 3e-18 m instead of 0.
+CURVED = {
+    **{f"cam{i}.radius": r for i, r in enumerate((1.0, 0.1), start=1)},
+    **{f"cam{i}.friction": mu for i, mu in enumerate((1.0, 0.0), start=1)},
+    **{f"cam{i}.lead_angle": lead for i, lead in enumerate((0.25, 1.0), start=1)},
+    **{"cam2.profile": 2, "cam2.ellipse_a": 0.5, "cam2.ellipse_b": 0.5, "cam2.ellipse_curvature": -1},
+    "spring.stiffness": 1.0,
+}
+
+
+@pytest.mark.parametrize("way", [1, -1])
+def test_a_jump_may_begin_where_rounding_locks_a_contact(make_model, way):
+    """It ends where the torque is on the edge of the stick band. The step was refused."""
+    torque = way * 1e-3
+    fmu = pushed(make_model, CURVED, torque, 0.05)
+    kin = Mechanism(UNLOADED | CURVED, DOUBLE).groove.at(fmu.get("theta"))
+
+    class There:
+        r, a = (1.0, 0.1), (kin.a1, kin.a2)
+
+    assert edge(There, (1.0, 0.0), way, kin.z)[0] == pytest.approx(torque, rel=NEAR)
+    assert fmu.get("energy.work_in") == pytest.approx(heat(fmu) + kin.z**2 / 2.0, rel=NEAR)
 
 
 @pytest.mark.parametrize("law", LAWS.values(), ids=LAWS)

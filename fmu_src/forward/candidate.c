@@ -122,18 +122,19 @@ COMPACT static bool has_locked(const SlipMode *slip, const Balance *now, const B
     return slip->friction_varies && (now->axial[0] * later->axial[0] < 0.0 || now->axial[1] * later->axial[1] < 0.0);
 }
 
-/* x_i after dt, as far as the present alpha and jerk tell. What the acceleration then has beyond them has grown at least
- * like t^2: the speed gains a third of it, which a damper's load follows, and the angle a twelfth. */
+/* x_i after dt, as far as the present alpha and jerk tell; `steady`: alpha alone, under the present inputs. What the acceleration
+ * then has beyond them has grown at least like t^2: the speed gains a third of it, which a damper's load follows, and the
+ * angle a twelfth. */
 COMPACT static bool contacts_after(const SlipMode *slip, const Balance *now, const Candidate *candidate, double dt,
-                                   double x[2]) {
-    const double omega = candidate->omega + dt * (candidate->alpha + dt / 2.0 * candidate->jerk);
-    const double theta =
-        now->theta + dt * (candidate->omega + dt / 2.0 * (candidate->alpha + dt / 3.0 * candidate->jerk));
+                                   bool steady, double x[2]) {
+    const double jerk = steady ? 0.0 : candidate->jerk, t = steady ? 0.0 : dt;
+    const double omega = candidate->omega + dt * (candidate->alpha + dt / 2.0 * jerk);
+    const double theta = now->theta + dt * (candidate->omega + dt / 2.0 * (candidate->alpha + dt / 3.0 * jerk));
     Balance later;
-    if (!balance_after(slip, theta, omega, dt, &later)) return false;
+    if (!balance_after(slip, theta, omega, t, &later)) return false;
     if (slip->regime == REGIME_INERTIAL) {
-        const double gained = dt * (later.alpha - (candidate->alpha + dt * candidate->jerk));
-        if (!balance_after(slip, theta + dt / 12.0 * gained, omega + gained / 3.0, dt, &later)) return false;
+        const double gained = dt * (later.alpha - (candidate->alpha + dt * jerk));
+        if (!balance_after(slip, theta + dt / 12.0 * gained, omega + gained / 3.0, t, &later)) return false;
     }
     for (int i = 0; i < 2; i++) x[i] = later.x[i];
     return isfinite(x[0]) && isfinite(x[1]) && !has_locked(slip, now, &later);
@@ -155,20 +156,30 @@ COMPACT static void drop_faint_rate(Candidate *candidate, int i, double dt) {
     if (against && !is_visible(c->rate * dt, candidate->size[i].value)) c->rate = 0.0;
 }
 
-/* Does x_i exceed its rounding after dt? The terms of x_i grow as well, and their rounding with them. */
-static bool is_visible_after(const Candidate *candidate, int i, double x, double dt) {
-    return is_visible(x, CANDIDATE_COARSE * (candidate->size[i].value + dt * candidate->size[i].rate));
-}
+typedef enum { LOOK_BEYOND, LOOK_DARK, LOOK_VISIBLE } Look; /* beyond: of the piece of the grooves, or of a lock */
 
-/* Is x_i rounding now and at each look ahead? */
-static bool hides(const Candidate *candidate, const double visible_at[2], int i) {
-    return visible_at[i] == 0.0 && is_undecided(candidate, i);
+/* Each x_i that exceeds its rounding after dt takes the place of the second derivative, and dt that of visible_at[i]. A
+ * steady look leaves what a shorter look has seen. */
+COMPACT static Look look_after(const SlipMode *slip, const Balance *now, double dt, bool steady, Candidate *candidate,
+                               double visible_at[2]) {
+    double x[2];
+    if (!contacts_after(slip, now, candidate, dt, steady, x)) return LOOK_BEYOND;
+    Look look = LOOK_DARK;
+    for (int i = 0; i < 2; i++) {
+        /* The terms of x_i grow as well, and their rounding with them. */
+        const double size = candidate->size[i].value + dt * candidate->size[i].rate;
+        if ((steady && visible_at[i] != 0.0) || !is_visible(x[i], CANDIDATE_COARSE * size)) continue;
+        look = LOOK_VISIBLE;
+        candidate->contact[i].second = x[i];
+        visible_at[i] = dt;
+    }
+    return look;
 }
 
 /* On a groove that is nearly level, a motion from rest shows no x_i within the look ahead. Then the motion under the present
  * inputs decides: x_i at the first of some longer times at which one exceeds its rounding, as long as neither the inputs nor
  * the damping change the acceleration. */
-COMPACT static void look_farther(const SlipMode *slip, const Balance *now, Candidate *candidate, double dt,
+COMPACT static void look_farther(const SlipMode *slip, const Balance *now, double dt, Candidate *candidate,
                                  double visible_at[2]) {
     const double alpha = candidate->alpha;
     if (alpha == 0.0) return;
@@ -176,17 +187,10 @@ COMPACT static void look_farther(const SlipMode *slip, const Balance *now, Candi
     const double by_time = CANDIDATE_LOOK_FARTHER * radau_step_time_scale(slip, now);
     const double farthest = min_of(min_of(by_alpha, by_time), fabs(alpha / candidate->jerk));
     for (int n = 0; n < CANDIDATE_LOOKS && dt < farthest; n++) {
-        if (!hides(candidate, visible_at, 0) && !hides(candidate, visible_at, 1)) return;
+        bool hides = false;
+        for (int i = 0; i < 2; i++) hides |= visible_at[i] == 0.0 && is_undecided(candidate, i);
         dt = min_of(dt / CANDIDATE_LOOK_SHORTER, farthest);
-        Balance later;
-        if (!balance_after(slip, now->theta + dt * dt / 2.0 * alpha, dt * alpha, 0.0, &later)) return;
-        if (has_locked(slip, now, &later)) return;
-        for (int i = 0; i < 2; i++) {
-            if (!hides(candidate, visible_at, i) || !isfinite(later.x[i])) continue;
-            if (!is_visible_after(candidate, i, later.x[i], dt)) continue;
-            candidate->contact[i].second = later.x[i];
-            visible_at[i] = dt;
-        }
+        if (!hides || look_after(slip, now, dt, true, candidate, visible_at) == LOOK_BEYOND) return;
     }
 }
 
@@ -196,20 +200,11 @@ COMPACT static void look_farther(const SlipMode *slip, const Balance *now, Candi
 COMPACT static void extrapolate_contacts(const SlipMode *slip, const Balance *now, Candidate *candidate) {
     const double first = look_ahead(slip, now, candidate);
     double dt = first, visible_at[2] = {0.0, 0.0};
-    bool visible = true;
-    for (int n = 0; n < CANDIDATE_LOOKS && visible; n++, dt *= CANDIDATE_LOOK_SHORTER) {
-        double x[2];
-        if (!contacts_after(slip, now, candidate, dt, x)) continue;
-        visible = false;
-        for (int i = 0; i < 2; i++) {
-            if (!is_visible_after(candidate, i, x[i], dt)) continue;
-            visible = true;
-            candidate->contact[i].second = x[i];
-            visible_at[i] = dt;
-        }
-    }
+    Look look = LOOK_VISIBLE;
+    for (int n = 0; n < CANDIDATE_LOOKS && look != LOOK_DARK; n++, dt *= CANDIDATE_LOOK_SHORTER)
+        look = look_after(slip, now, dt, false, candidate, visible_at);
     if (slip->regime == REGIME_INERTIAL && candidate->omega == 0.0)
-        look_farther(slip, now, candidate, first, visible_at);
+        look_farther(slip, now, first, candidate, visible_at);
     for (int i = 0; i < 2; i++) {
         drop_faint_rate(candidate, i, visible_at[i]);
         candidate->unseen[i] &= visible_at[i] == 0.0;

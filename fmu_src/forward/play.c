@@ -16,6 +16,7 @@ typedef struct {
     const TransmissionPiece *piece;
     int direction;
     double torque; /* N.m, to be held */
+    bool unloaded; /* the path begins at F_0 = 0, to rounding */
     int *halvings; /* that are left, which bounds the work of a jump */
 } EdgePath;
 
@@ -40,7 +41,8 @@ NOINLINE static Edge edge_at(const EdgePath *path, double theta) {
     int flank[2];
     Transfer t;
     if (!contact_edge_under(&m->params, &g, fabs(F_0), away, flank, &t, m->work)) {
-        edge.torque = F_0 == 0.0 ? 0.0 : (double)path->direction * (double)INFINITY;
+        const bool holds = path->unloaded ? stick_force_counts(m, F_0) : F_0 != 0.0;
+        edge.torque = holds ? (double)path->direction * (double)INFINITY : 0.0;
         return edge;
     }
     edge.torque = t.rho * F_0;
@@ -238,7 +240,12 @@ void play_jump(const Mechanism *m, int direction, double torque, double bump, Ju
     const double stop = direction > 0 ? m->params.stop.upper : m->params.stop.lower;
     const TransmissionPiece *last = direction > 0 ? transmission->piece + transmission->count - 1 : transmission->piece;
     int halvings = PLAY_MAX_HALVINGS;
-    EdgePath path = {m, transmission_piece(transmission, m->state.theta.hi, direction), direction, torque, &halvings};
+    EdgePath path = {.m = m,
+                     .piece = transmission_piece(transmission, m->state.theta.hi, direction),
+                     .direction = direction,
+                     .torque = torque,
+                     .unloaded = stick_is_unloaded(m),
+                     .halvings = &halvings};
     *jump = (Jump){.stopped = false};
     for (int i = 0; i < 2; i++) jump->reaction[i] = m->state.ledger.peak.reaction[i] * m->params.contacts;
     for (;; path.piece += direction) { /* at most one turn per piece */

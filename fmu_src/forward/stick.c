@@ -6,6 +6,7 @@
 #include "contact/balance.h"
 #include "contact/loaded_contacts.h"
 #include "elementary/elementary.h"
+#include "forward/candidate.h"
 #include "numerics/bernstein.h"
 #include "numerics/golden_section.h"
 #include "numerics/root.h"
@@ -142,14 +143,35 @@ static double side_of(const Mechanism *m, double F_0) {
     return coming != 0 ? coming : F_0;
 }
 
+/* The sign that F_0 = 0 takes in a motion in `direction` under a constant F_ext; 0: F_0 stays zero. */
+static int side_along(const Mechanism *m, int direction) {
+    const SpringParams *s = &m->params.spring;
+    const double curvature = 2.0 * s->stiffness2 + 6.0 * s->stiffness3 * m->configuration.z;
+    const double u[INPUT_ORDER + 1] = {0.0, direction * spring_rate(s, m->configuration.z), curvature,
+                                       direction * 6.0 * s->stiffness3};
+    return taylor_leaving_sign(u, 0.0);
+}
+
+/* Does the motion in `direction` that begins at F_0 = 0 meet a load under which a contact locks? Inertia and damping make other
+ * loads before. */
+static bool locks_along(const Mechanism *m, int direction) {
+    const int flank[2] = {direction, direction};
+    if (slip_mode_from_here(m, slip_index(direction, flank)).regime != REGIME_RATE_INDEPENDENT) return false;
+    const int side = side_along(m, direction);
+    const BandFactors f = stick_edges(m, side);
+    return side != 0 && isinf(direction > 0 ? f.load : f.release);
+}
+
 /* The edges per F_0 that tell whether the mechanism rests. Without a load, now and later, there is no friction: an edge that
- * is infinite under any load is at zero. */
+ * is infinite under any load is at zero, unless a motion makes that load at once. */
 COMPACT static BandFactors edges_at_rest(const Mechanism *m, double F_0) {
     const double side = side_of(m, F_0);
     BandFactors f = stick_edges(m, side);
     if (side != F_0 || stick_force_counts(m, F_0)) return f;
-    if (isinf(f.load)) f.load = f.load_rate = 0.0;
-    if (isinf(f.release)) f.release = f.release_rate = 0.0;
+    if (locks_along(m, 1)) f.load = INFINITY;
+    else if (isinf(f.load)) f.load = f.load_rate = 0.0;
+    if (locks_along(m, -1)) f.release = -INFINITY;
+    else if (isinf(f.release)) f.release = f.release_rate = 0.0;
     return f;
 }
 
@@ -333,9 +355,10 @@ COMPACT static double loaded_excess(const void *context, double t) {
 }
 
 /* The zero of the excess between a and b, s, on the side on which the torque has left: where an edge becomes infinite, the
- * excess jumps, and the other side is still rest. */
+ * excess jumps, and the other side is still rest. An excess of zero at a counts as rest: at F_0 = 0 both the torque and the
+ * edge can be zero, while under the smallest load contacts that lock each other hold a torque. */
 COLD static double loaded_exit(const LoadedRest *rest, double a, double f_a, double b, double f_b) {
-    double t = root_between(loaded_excess, rest, a, f_a, b, f_b);
+    double t = root_between(loaded_excess, rest, a, min_of(f_a, -DBL_MIN), b, f_b);
     double more = max_of(DBL_EPSILON * b, DBL_TRUE_MIN); /* the product is 0 in steps below 1e-308 s */
     /* At most 53 turns: from a rounding of the time to the whole. */
     for (; t < b && !(loaded_excess(rest, t) > 0.0); more *= 2.0) t += more;
