@@ -15,9 +15,9 @@ typedef struct {
     const Mechanism *m;
     const TransmissionPiece *piece;
     int direction;
-    double torque; /* N.m, to be held */
-    bool unloaded; /* the path begins at F_0 = 0, to rounding */
-    int *halvings; /* that are left, which bounds the work of a jump */
+    double torque;   /* N.m, to be held */
+    double unloaded; /* rad, from the start, within which F_0 is zero to rounding; 0: F_0 counts at the start */
+    int *halvings;   /* that are left, which bounds the work of a jump */
 } EdgePath;
 
 /* The band's edge at one angle. */
@@ -41,8 +41,8 @@ NOINLINE static Edge edge_at(const EdgePath *path, double theta) {
     int flank[2];
     Transfer t;
     if (!contact_edge_under(&m->params, &g, fabs(F_0), away, flank, &t, m->work)) {
-        const bool holds = path->unloaded ? stick_force_counts(m, F_0) : F_0 != 0.0;
-        edge.torque = holds ? (double)path->direction * (double)INFINITY : 0.0;
+        const bool begins = fabs(theta - m->state.theta.hi) <= path->unloaded && !stick_force_counts(m, F_0);
+        edge.torque = F_0 == 0.0 || begins ? 0.0 : (double)path->direction * (double)INFINITY;
         return edge;
     }
     edge.torque = t.rho * F_0;
@@ -240,12 +240,9 @@ void play_jump(const Mechanism *m, int direction, double torque, double bump, Ju
     const double stop = direction > 0 ? m->params.stop.upper : m->params.stop.lower;
     const TransmissionPiece *last = direction > 0 ? transmission->piece + transmission->count - 1 : transmission->piece;
     int halvings = PLAY_MAX_HALVINGS;
-    EdgePath path = {.m = m,
-                     .piece = transmission_piece(transmission, m->state.theta.hi, direction),
-                     .direction = direction,
-                     .torque = torque,
-                     .unloaded = stick_is_unloaded(m),
-                     .halvings = &halvings};
+    const TransmissionPiece *first = transmission_piece(transmission, m->state.theta.hi, direction);
+    const double unloaded = stick_is_unloaded(m) ? PLAY_FIRST_SAMPLE * (first->upper - first->lower) : 0.0;
+    EdgePath path = {m, first, direction, torque, unloaded, &halvings};
     *jump = (Jump){.stopped = false};
     for (int i = 0; i < 2; i++) jump->reaction[i] = m->state.ledger.peak.reaction[i] * m->params.contacts;
     for (;; path.piece += direction) { /* at most one turn per piece */
