@@ -2,11 +2,11 @@
 
 #include <float.h>
 #include <math.h>
+#include <stddef.h>
 
 #include "contact/balance.h"
 #include "contact/loaded_contacts.h"
 #include "elementary/elementary.h"
-#include "forward/candidate.h"
 #include "numerics/bernstein.h"
 #include "numerics/golden_section.h"
 #include "numerics/root.h"
@@ -156,7 +156,9 @@ static int side_along(const Mechanism *m, int direction) {
  * loads before. */
 static bool locks_along(const Mechanism *m, int direction) {
     const int flank[2] = {direction, direction};
-    if (slip_mode_from_here(m, slip_index(direction, flank)).regime != REGIME_RATE_INDEPENDENT) return false;
+    const SlipMode slip =
+        slip_mode_of(&m->params, &m->model.transmission, NULL, &m->inputs, m->state.theta.hi, direction, flank);
+    if (slip.regime != REGIME_RATE_INDEPENDENT) return false;
     const int side = side_along(m, direction);
     const BandFactors f = stick_edges(m, side);
     return side != 0 && isinf(direction > 0 ? f.load : f.release);
