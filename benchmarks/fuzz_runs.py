@@ -22,6 +22,7 @@ from benchmarks.harness.repository import ROOT
 
 EXAMPLES = re.compile(r"(\d+) passing, (\d+) failing, and \d+ invalid")
 FAILED = re.compile(r"^(?:FAILED|ERROR) (\S+)", re.MULTILINE)
+FINISHED = (0, 1)  # exit codes of pytest: all tests passed, some failed
 COUNT = re.compile(r"(\d+) (passed|failed|error)")
 
 
@@ -33,6 +34,10 @@ def played(pytest: Sequence[str], seed: int) -> Iterator[str]:
         assert run.stdout is not None
         while piece := os.read(run.stdout.fileno(), 65536):
             yield piece.decode(errors="replace")
+    if run.returncode not in FINISHED:
+        raise SystemExit(
+            f"pytest ended with {run.returncode} before all tests were played: no row is written"
+        )
 
 
 def row_of(text: str, seed: int, seconds: float) -> dict[str, str]:
