@@ -61,6 +61,10 @@ def _check_numbers(plan: Plan, findings: Findings) -> None:
     is_sound = findings.is_sound("plan", "kind") and findings.is_sound("plan", key)
     if is_sound and (problem := designs.problem(plan.kind, plan.runs, plan.levels)):
         findings.note(("plan", key), f"plan: {problem}")
+    is_sound = findings.is_sound("plan", "kind") and findings.is_sound("plan", "runs")
+    arrangement = plan.kind, plan.runs, len(plan.vary), plan.second_order
+    if is_sound and (problem := designs.problem_of_size(*arrangement)):
+        findings.note(("plan", "runs"), f"plan: {problem}")
     if findings.is_sound("plan", "on_violation") and plan.on_violation not in ON_VIOLATION:
         text = f"plan: on_violation = {plan.on_violation!r}: allowed are {', '.join(ON_VIOLATION)}"
         findings.note(("plan", "on_violation"), text)

@@ -18,6 +18,7 @@ INDEPENDENT = ("random", "latin", "sobol")  # their runs may be correlated, and 
 SALIB = ("saltelli", "morris", "fast")
 HARMONICS = 4  # M of FAST
 FAST_LEAST = 4 * HARMONICS**2 + 1  # runs of each variable
+LARGEST = 100_000_000  # numbers of a table of points: 0.8 GB, of which SciPy and SALib make copies
 
 
 def count(kind: str, runs: int, variables: int, second_order: bool) -> int:
@@ -46,6 +47,20 @@ def count(kind: str, runs: int, variables: int, second_order: bool) -> int:
         "fast": variables,
     }
     return runs * blocks.get(kind, 1)
+
+
+def problem_of_size(kind: str, runs: int, variables: int, second_order: bool) -> str | None:
+    """Whether the table of points of an arrangement is too large to be drawn, arguments as in `count`."""
+    if kind in ("grid", "table"):
+        return None
+    points = 2 * runs if kind == "indices" else count(kind, runs, variables, second_order)
+    numbers = points * variables
+    if numbers <= LARGEST:
+        return None
+    return (
+        f"runs = {runs}: the points of the runs are a table of {numbers:,} numbers; allowed are"
+        f" {LARGEST:,}, here up to runs = {LARGEST * runs // numbers}; a grid needs no table"
+    )
 
 
 def problem(kind: str, runs: int, levels: int) -> str | None:
