@@ -10,7 +10,7 @@ from itertools import pairwise, product
 import numpy as np
 import pytest
 from driver import OK, models
-from reference import write_table
+from reference import DOUBLE, Mechanism, write_table
 from reference.grooves import Ellipse
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
@@ -293,3 +293,47 @@ def test_a_follower_that_a_locked_contact_cannot_turn_stops_at_the_end_of_a_dwel
             step(fmu, begin, end)
         found.append([fmu.get("omega"), fmu.get("theta")])
     assert found == [[0.0, pytest.approx(dwell.angle(), rel=1e-9)]] * len(found)
+
+
+# A stop throws a shaft back. Groove 1 rises so steeply that its contact locks on the way: Delta falls to
+# zero, and the reactions grow there from 1e-5 N to infinity.
+INTO_A_POLE = {
+    "cam1.profile": 3,
+    "cam1.radius": 1.3e-3,
+    "cam1.friction": 0.1,
+    "cam2.radius": 0.3,
+    "cam2.lead_angle": 2.4e-5,
+    "cam2.friction": 0.0,
+    "spring.preload": 0.0,
+    "spring.stiffness": 10.0,
+    "damper.c_load": 0.0,
+    "damper.c_release": 0.0,
+    "inertia.shaft": 0.1,
+    "inertia.follower_mass": 0.0,
+    "stop.upper": 1.0,
+    "stop.restitution": 0.5,
+}
+
+
+@pytest.mark.parametrize("steps", [1, 2, 10, 100, 1000])
+def test_a_jam_at_infinite_reactions_gains_no_energy(make_model, tmp_path, steps):
+    """Delta = 0 of releasing gives the angle of the jam. A step passed this angle by its rounding: the heat
+    of contact 1 was -5.5 J."""
+    table, torque = tmp_path / "pole.csv", 1.0
+    write_table(table, [0.0, 0.2, 0.4, 0.6, 0.8, 1.01], [0.0, 4.3e-6, 1.36e-3, 1.36e-3, 1.36e-3, 2.72e-3])
+    parameters = INTO_A_POLE | {"cam1.table": str(table)}
+    fmu = make_model(FORWARD).start(parameters)
+    fmu.set({"tau": torque})
+    for k in range(steps):
+        step(fmu, 0.56 * k / steps, 0.56 * (k + 1) / steps)
+    mechanism = Mechanism(parameters, DOUBLE)
+
+    def delta(theta):
+        kin = mechanism.groove.at(theta)
+        return factors((1.3e-3, 0.3), (kin.a1, kin.a2), (-0.1, 0.0))[2]
+
+    jam = brentq(delta, 0.5, 0.95, xtol=1e-15)
+    kinetic = torque * (0.5**2 - (1.0 - jam))  # J, thrown back by the stop, then braked by the torque
+    assert fmu.get("energy.heat_cam1") == pytest.approx(kinetic, rel=1e-6)  # friction and spring: 1e-7
+    assert abs(fmu.get("energy.residual")) <= 1e-12 * kinetic
+    assert fmu.get("mode") == LOADING

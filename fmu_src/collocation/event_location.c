@@ -61,6 +61,13 @@ static bool keep_in_bracket(const Bracket *bracket, double full, double t, doubl
     return true;
 }
 
+/* Has the location of a change of flanks found a pole? Under Coulomb friction reactions can change their sign through
+ * infinity, where the effective inertia is zero. `f`: the indicator at the place that was found. */
+COMPACT static bool is_pole(const SegmentLimits *limits, StepIndicator indicator, const RadauStep *whole, double f) {
+    if (limits->slip->friction_is_loaded || !step_indicator_is_flank(indicator)) return false;
+    return fabs(f) > LOCATION_POLE * fabs(whole->start.x[indicator == STEP_FLANK_1 ? 0 : 1]);
+}
+
 /* Shortens the step so that it ends on the crossing at the share x of the step. The edge of the stick band is bisected:
  * its rate is not known. So is a reaction that is a difference of far larger terms, whose rate is rounding: Newton's
  * method then creeps. */
@@ -89,7 +96,11 @@ static CrossingResult end_on_crossing(const SegmentLimits *limits, StepIndicator
             bisects ? (IndicatorRate){-1.0, 0.0} : step_indicator_rate(limits, indicator, radau_step_end(step), t);
         if (fabs(f) <= slope.rounding) return CROSSING_REACHED;
         double next = bisects ? 0.5 * (bracket.left + bracket.right) : t - f / slope.rate;
-        if (is_found(&bracket, t, next)) return CROSSING_REACHED;
+        if (is_found(&bracket, t, next)) {
+            if (!is_pole(limits, indicator, &whole, f)) return CROSSING_REACHED;
+            blocked = true;
+            break;
+        }
         if (!keep_in_bracket(&bracket, whole.h, t, &next)) break;
         t = next;
     }

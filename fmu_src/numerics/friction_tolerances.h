@@ -56,6 +56,9 @@ static const double LOADED_REST_CHANGE = 1e-6;
  * of a reaction, above which the reaction is not zero there. */
 static const double LOCATION_LOSS = 64.0 * DBL_EPSILON, LOCATION_LOST_SHARE = 1e-6;
 
+/* Where a reaction changes its sign: this many times the reaction at the start of the step tells a pole from a zero. */
+static const double LOCATION_POLE = 1e3;
+
 /* Before a change of flanks the other reaction is looked at, each time this factor closer to the event. */
 static const double LOCATION_CLOSER = 0.1;
 enum { LOCATION_LOOKS_BACK = 8 };
