@@ -59,6 +59,10 @@ static const double LOCATION_LOSS = 64.0 * DBL_EPSILON, LOCATION_LOST_SHARE = 1e
 /* Where a reaction changes its sign: this many times the reaction at the start of the step tells a pole from a zero. */
 static const double LOCATION_POLE = 1e3;
 
+/* Where Newton's method loses the reactions: a search goes on with them if they change by no more than this share in this share
+ * of the motion's time scale. */
+static const double LOST_CHANGE = 0.01, LOST_AHEAD = 1e-9;
+
 /* Before a change of flanks the other reaction is looked at, each time this factor closer to the event. */
 static const double LOCATION_CLOSER = 0.1;
 enum { LOCATION_LOOKS_BACK = 8 };
