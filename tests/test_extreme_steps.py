@@ -20,7 +20,7 @@ LOCKS_AGAIN = {
     **{"cam2.radius": 0.0468, "cam2.lead_angle": 0.556, "cam2.friction": 0.169},
     **{"cam2.friction_load": 528.0, "cam2.friction_load_exponent": 0.496, "contacts": 1},
     **{"damper.c_load": 46_500.0, "damper.c_release": 1350.0, "shaft.damping": 5.38},
-    **{"inertia.shaft": 9.9e-4, "inertia.follower_mass": 305.0},
+    **{"inertia.shaft": 1e-4, "inertia.follower_mass": 305.0},
     **{"spring.preload": 0.0, "spring.stiffness": 20_100.0, "spring.stiffness2": 43_800.0},
     **{"stop.lower": 0.0, "stop.upper": 1.84, "initial.theta": 1.835, "initial.omega": -0.016},
 }

@@ -155,7 +155,7 @@ def test_an_fmu_that_is_none_to_run(tmp_path, make, mentions):
         ('results = ["efficiency", "theta"]', "results = [1]", ["results", "[1]"]),
         ("runs = 64", "runs = 64.0", ["runs = 64.0", "whole"]),
         ("runs = 64", "runs = 64\nseed = -1", ["seed = -1", "0 or more"]),
-        ("runs = 64", "runs = 1099511627776", ["runs", "1,000,000,000"]),
+        ("runs = 64", "runs = 1099511627776", ["runs = 1099511627776", "100,000,000"]),
         ("from = 0.6", 'from = "low"', ["cam1.lead_angle", "from = 'low'", "number"]),
         ("from = 0.6", "from = nan", ["cam1.lead_angle", "nan", "finite"]),
         ("from = 0.6", "from = 0.95", ["cam1.lead_angle", "0.95", "0.9", "below"]),
