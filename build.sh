@@ -30,8 +30,8 @@ usage: ./build.sh [command] [arguments]
            arguments go to pytest. `fuzz calls`: libFuzzer calls the C code of both standards in any order (eight
            minutes; --minutes N for each of four programs); `fuzz calls --coverage`: the code that its inputs reach.
            `fuzz cuts`: counts random scenes whose answer depends on how an interval is cut into steps (ten minutes;
-           --minutes N), into benchmarks/results/cut_scan.csv. `fuzz record --seed N`: the
-           first form, with a row in benchmarks/results/fuzz_runs.csv
+           --minutes N), into benchmarks/results/cut_scan.csv. `fuzz record --seed N`: the first form, with a row in
+           benchmarks/results/fuzz_runs.csv
   bench    build, then run cost, loop, skipping, worst, growth, precision (about seven minutes), which writes benchmarks/results/ and
            docs/performance.md; --quick: few rounds, into build/quick; names of some of them: these only
   cost     build, then run benchmarks.step_cost (half a minute): the cost of a step, and its limit

@@ -65,7 +65,7 @@ static bool keep_in_bracket(const Bracket *bracket, double full, double t, doubl
  * infinity, where the effective inertia is zero. `f`: the indicator at the place that was found. */
 COMPACT static bool is_pole(const SegmentLimits *limits, StepIndicator indicator, const RadauStep *whole, double f) {
     if (limits->slip->friction_is_loaded || !step_indicator_is_flank(indicator)) return false;
-    return fabs(f) > LOCATION_POLE * fabs(whole->start.x[indicator == STEP_FLANK_1 ? 0 : 1]);
+    return fabs(f) > LOCATION_POLE * fabs(whole->start.x[step_indicator_contact(indicator)]);
 }
 
 /* Shortens the step so that it ends on the crossing at the share x of the step. The edge of the stick band is bisected:
@@ -143,12 +143,16 @@ COMPACT static bool step_before_loss(const SegmentLimits *limits, StepIndicator 
     return false;
 }
 
-/* Where friction depends on the load, Newton's method can lose the answer of the balance at some place and end at another
- * one, off the flanks. The reactions on the flanks go on there, and a search finds them. The step then ends just before
+/* Where friction depends on the load, Newton's method can lose the answer of the balance of a motion. A search does not. */
+static bool can_lose_answer(const SlipMode *slip) {
+    return slip->friction_is_loaded && !slip->searches && slip->regime == REGIME_INERTIAL;
+}
+
+/* Newton's method can lose the answer of the balance at some place and end at another one, off the flanks. The reactions on the flanks go on there, and a search finds them. The step then ends just before
  * this place, and the event is the loss. */
 COMPACT static bool ends_on_loss(const SegmentLimits *limits, StepIndicator indicator, RadauStep *step) {
     SlipMode searching = *limits->slip;
-    if (!searching.friction_is_loaded || searching.searches || searching.regime != REGIME_INERTIAL) return false;
+    if (!can_lose_answer(&searching)) return false;
     searching.searches = searching.to_rounding = true;
     const RadauStep landed = *step;
     if (radau_step_solve(&searching, &landed.start, landed.h * (1.0 + LOCATION_LOSS), landed.method->stages, step) &&
@@ -162,8 +166,8 @@ COMPACT static bool ends_on_loss(const SegmentLimits *limits, StepIndicator indi
  * of two motions, and a shorter step shows the loss. */
 COMPACT static bool mixes_answers(const SegmentLimits *limits, StepIndicator indicator, const RadauStep *step) {
     const SlipMode *slip = limits->slip;
-    if (!slip->friction_is_loaded || slip->searches || slip->regime != REGIME_INERTIAL) return false;
-    const int i = indicator == STEP_FLANK_1 ? 0 : 1;
+    if (!can_lose_answer(slip)) return false;
+    const int i = step_indicator_contact(indicator);
     const double lost = LOCATION_LOST_SHARE * reaction_size(limits, indicator, step);
     bool mixes = false;
     for (int j = 0; j < step->method->stages; j++) mixes |= slip->flank[i] * step->node[j].x[i] < -lost;

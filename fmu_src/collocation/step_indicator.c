@@ -122,7 +122,7 @@ IndicatorRate step_indicator_rate(const SegmentLimits *limits, StepIndicator ind
     BalanceRates rates;
     balance_rates(slip, b, t, &rates);
     if (indicator == STEP_SPEED) return (IndicatorRate){sign * rates.rhs, 0.0};
-    const int i = indicator == STEP_FLANK_1 ? 0 : 1;
+    const int i = step_indicator_contact(indicator);
     return (IndicatorRate){slip->flank[i] * rates.contact[i], DBL_EPSILON * rates.size[i]};
 }
 
@@ -133,7 +133,7 @@ COMPACT static double rounding_of(const SegmentLimits *limits, StepIndicator ind
     if (!step_indicator_is_flank(indicator)) return 0.0;
     BalanceRates rates;
     balance_rates(limits->slip, start, 0.0, &rates);
-    return REACTION_ZERO_SHARE * rates.size[indicator == STEP_FLANK_1 ? 0 : 1];
+    return REACTION_ZERO_SHARE * rates.size[step_indicator_contact(indicator)];
 }
 
 static inline RadauValues values_of(const SegmentLimits *limits, StepIndicator indicator, const RadauStep *step) {

@@ -76,6 +76,11 @@ static inline EventKind step_indicator_event(StepIndicator indicator) {
     }
 }
 
+/* The contact of STEP_FLANK_1 or STEP_FLANK_2, 0 or 1. */
+static inline int step_indicator_contact(StepIndicator indicator) {
+    return indicator == STEP_FLANK_1 ? 0 : 1;
+}
+
 static inline bool step_indicator_is_flank(StepIndicator indicator) {
     return indicator == STEP_FLANK_1 || indicator == STEP_FLANK_2;
 }

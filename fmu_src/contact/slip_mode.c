@@ -82,9 +82,11 @@ static TransmissionPoint straight_point(const TransmissionPiece *piece) {
     return (TransmissionPoint){.slope = {piece->slope[0][0], piece->slope[0][1]}};
 }
 
-static Regime regime_of(const SlipMode *slip) {
-    if (has_inertia(slip->params)) return REGIME_INERTIAL;
-    const bool damped = slip->c + slip->q + slip->params->shaft.damping > 0.0 || any_friction_varies(slip->params);
+Regime slip_regime(const Params *p, int direction) {
+    if (has_inertia(p)) return REGIME_INERTIAL;
+    const DamperParams *d = &p->damper;
+    const double damping = direction > 0 ? d->c_load + d->q_load : d->c_release + d->q_release;
+    const bool damped = damping + p->shaft.damping > 0.0 || any_friction_varies(p);
     return damped ? REGIME_VISCOUS : REGIME_RATE_INDEPENDENT;
 }
 
@@ -112,7 +114,7 @@ SlipMode slip_mode_of(const Params *p, const Transmission *transmission, const F
     slip.inputs_are_constant = inputs_constant(inputs);
     slip.searches = false;
     slip.to_rounding = false;
-    slip.regime = regime_of(&slip);
+    slip.regime = slip_regime(p, direction);
     if (transmission->straight) set_coefficients(&slip, straight_point(slip.piece), &slip.coefficients);
     return slip;
 }

@@ -55,6 +55,9 @@ typedef struct {
                          before an event */
 } SlipMode;
 
+/* The regime of slip in that direction. */
+Regime slip_regime(const Params *p, int direction);
+
 /* `law`: of both contacts, not used where friction does not vary; NULL where no step is to be made. */
 SlipMode slip_mode_of(const Params *params, const Transmission *transmission, const FrictionConstants *law,
                       const Inputs *inputs, double theta, int direction, const int flank[2]);

@@ -117,6 +117,18 @@ static bool balance_after(const SlipMode *slip, double theta, double omega, doub
     return true;
 }
 
+bool search_goes_on(const Mechanism *m, int index) {
+    if (m->state.omega.hi == 0.0) return false;
+    const SlipMode slip = slip_mode_from_here(m, index);
+    const Balance now = balance_from_here(m, &slip);
+    const double dt = LOST_AHEAD * min_of(1.0, radau_step_time_scale(&slip, &now));
+    Balance later;
+    if (!balance_after(&slip, now.theta + dt * now.omega, now.omega + dt * now.alpha, dt, &later)) return false;
+    bool goes_on = later.rhs.possible;
+    for (int i = 0; i < 2; i++) goes_on &= fabs(later.x[i] - now.x[i]) <= LOST_CHANGE * fabs(now.x[i]);
+    return goes_on;
+}
+
 /* Under friction that varies with the speed a contact can lock before: behind that place the flanks are others. */
 COMPACT static bool has_locked(const SlipMode *slip, const Balance *now, const Balance *later) {
     return slip->friction_varies && (now->axial[0] * later->axial[0] < 0.0 || now->axial[1] * later->axial[1] < 0.0);

@@ -39,6 +39,10 @@ Candidate candidate_building(const Mechanism *m, int index, LinearSlipMode *buil
  * follower's mass D can stay above zero where Delta = 0. Alpha is finite there, and the reactions vanish to rounding. */
 bool is_quotient_of_zeros(const Mechanism *m, int index);
 
+/* Do the reactions of a motion go on along this slip mode, which searches, although Newton's method loses them? A search then
+ * finds nearly the same reactions a little later. Where two answers of the balance meet, the search finds none or others. */
+bool search_goes_on(const Mechanism *m, int index);
+
 /* Is the motion known in closed form under the present inputs? */
 bool is_closed_form(const Mechanism *m);
 

@@ -2,7 +2,6 @@
 
 #include <math.h>
 
-#include "collocation/radau_step.h"
 #include "forward/configuration.h"
 #include "forward/stick.h"
 #include "numerics/sign.h"
@@ -429,25 +428,10 @@ static bool take_other_flanks(Mechanism *m, int searches) {
     return false;
 }
 
-/* Do the reactions of the present pair go on in a motion, although Newton's method loses them? A search then finds nearly the
- * same reactions a little later. Where two answers of the balance meet, the search finds none or others. */
-static bool search_goes_on(const Mechanism *m) {
-    if (m->state.omega.hi == 0.0) return false;
-    const SlipMode slip = slip_mode_from_here(m, present_pair_index(m) + SLIP_SEARCHES);
-    const Balance now = balance_from_here(m, &slip);
-    const double dt = LOST_AHEAD * min_of(1.0, radau_step_time_scale(&slip, &now)), theta = now.theta + dt * now.omega;
-    if (!(theta >= slip.piece->lower && theta <= slip.piece->upper)) return false;
-    Balance later;
-    balance_at(&slip, theta, now.omega + dt * now.alpha, dt, &later);
-    bool goes_on = later.rhs.possible;
-    for (int i = 0; i < 2; i++) goes_on &= fabs(later.x[i] - now.x[i]) <= LOST_CHANGE * fabs(now.x[i]);
-    return goes_on;
-}
-
 bool leave_lost_flanks(Mechanism *m) {
     const bool may_search = m->model.friction_is_loaded && !m->state.searches;
     const int searched = present_pair_index(m) + SLIP_SEARCHES;
-    if (may_search && search_goes_on(m) && take_slip(m, searched)) return true;
+    if (may_search && search_goes_on(m, searched) && take_slip(m, searched)) return true;
     if (take_other_flanks(m, 0)) return true;
     if (may_search && take_slip(m, searched)) return true;
     return m->model.friction_is_loaded && take_other_flanks(m, SLIP_SEARCHES);

@@ -31,8 +31,9 @@ int slip_mode_of_moving(Mechanism *m, int direction);
 void let_go(Mechanism *m, int direction);
 
 /* The present flanks have lost their motion, although a decision finds them possible. Where friction depends on the load, the
- * answers of the present pair are searched first: Newton's method can have lost them. Then the first other pair is taken that
- * agrees and has a motion. False if there is none. */
+ * present pair searches if the reactions of the motion go on: Newton's method has lost them. Else the first other pair is taken
+ * that agrees and has a motion, and where there is none, the answers are searched, of the present pair first. False if there
+ * is none. */
 bool leave_lost_flanks(Mechanism *m);
 
 /* Does rate-independent slip begin with a jump? True unless the torque is on the edge of the stick band already. */

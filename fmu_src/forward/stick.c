@@ -2,7 +2,6 @@
 
 #include <float.h>
 #include <math.h>
-#include <stddef.h>
 
 #include "contact/balance.h"
 #include "contact/loaded_contacts.h"
@@ -155,10 +154,7 @@ static int side_along(const Mechanism *m, int direction) {
 /* Does the motion in `direction` that begins at F_0 = 0 meet a load under which a contact locks? Inertia and damping make other
  * loads before. */
 static bool locks_along(const Mechanism *m, int direction) {
-    const int flank[2] = {direction, direction};
-    const SlipMode slip =
-        slip_mode_of(&m->params, &m->model.transmission, NULL, &m->inputs, m->state.theta.hi, direction, flank);
-    if (slip.regime != REGIME_RATE_INDEPENDENT) return false;
+    if (slip_regime(&m->params, direction) != REGIME_RATE_INDEPENDENT) return false;
     const int side = side_along(m, direction);
     const BandFactors f = stick_edges(m, side);
     return side != 0 && isinf(direction > 0 ? f.load : f.release);
