@@ -8,7 +8,7 @@ import math
 import numpy as np
 import pytest
 from driver import ERROR, OK, models
-from reference import LOADING, RELEASING, STICK
+from reference import LOADING, RELEASING, STICK, write_table
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
@@ -105,6 +105,49 @@ def test_torque_that_no_speed_balances_is_refused(make_model):
     assert "without inertia no speed balances the torque" in fmu.messages[-1].text
     inertial = make_model(FORWARD).start(flat | {"inertia.shaft": 1e-4})
     assert run(inertial, 1e-4, 1, (1.01 * limit, 0.0), (0.0, 0.0)) == OK
+
+
+STEEP_BRANCH = 200.0  # s/m: mu_2 = 1e10 less than 0.1 rad from the start
+
+
+@pytest.fixture(scope="module")
+def dwell_of_cam_2(tmp_path_factory):
+    """Cam 2 is level for psi_2 from -1.2 on, with mu_2 = STEEP_BRANCH v. Cam 1 has mu_1 = 1."""
+    path = tmp_path_factory.mktemp("dwell") / "groove.csv"
+    write_table(path, [-6.0, -3.0, -1.2, 0.0, 0.5], [0.0, 0.02, 0.025, 0.025, 0.025])
+    level = {
+        "cam2.profile": 3,
+        "cam2.table": str(path),
+        "cam2.friction": 0.0,
+        "cam2.friction_viscous": STEEP_BRANCH,
+    }
+    cam1 = {"cam1.lead_angle": 0.1, "cam1.friction": 1.0, "cam1.friction_viscous": 0.0}
+    return HELICES | level | cam1 | {"spring.preload": 0.0, "stop.lower": -5.0, "stop.upper": 0.4}
+
+
+@pytest.mark.parametrize("pieces", CUTS)
+def test_a_torque_that_grows_beyond_what_any_speed_balances(make_model, dwell_of_cam_2, pieces):
+    """F = -1 N and tau = -t. On the dwell tau = F r_1 r_2 n_1 n_2/(r_2 d_1 n_2 + r_1 d_2 n_1), where
+    n_2 = mu_2 r_2 and d_2 = r_2: a speed without bound as tau comes to F r_1 n_1/d_1. Contact 1 locks on its
+    other flank, where a low speed balances more torque. A light mechanism does not come to this speed."""
+    slope, inertia = R[0] * math.tan(0.1), 1e-7
+    n_1, d_1 = slope + R[0], R[0] - slope
+    limit, half = R[0] * n_1 / d_1, n_1 / d_1 * R[0] / R[1]  # N.m, and s; mu_2 at half of the limit
+    mu_by_speed = STEEP_BRANCH * R[1]
+    fmu = make_model(FORWARD).start(dwell_of_cam_2 | {"inertia.shaft": 0.0})
+    assert run(fmu, 0.9 * limit, pieces, (0.0, -1.0), (-1.0, 0.0)) == OK
+    assert fmu.get("omega") == pytest.approx(-9.0 * half / mu_by_speed, rel=1e-9)
+    assert run(fmu, 0.2 * limit, pieces, (-0.9 * limit, -1.0), (-1.0, 0.0)) == ERROR
+    assert "without inertia no speed balances the torque" in fmu.messages[-1].text
+    light = make_model(FORWARD).start(dwell_of_cam_2 | {"inertia.shaft": inertia})
+    assert run(light, 1.2 * limit, pieces, (0.0, -1.0), (-1.0, 0.0)) == OK
+
+    def acceleration(t, omega):
+        mu_2 = -mu_by_speed * omega
+        return (limit * mu_2 / (mu_2 + half) - t) / inertia
+
+    exact = solve_ivp(acceleration, (0.0, 1.2 * limit), [0.0], "Radau", rtol=1e-12, atol=1e-14)
+    assert light.get("omega") == pytest.approx(exact.y[0, -1], rel=1e-7)
 
 
 ALIKE = HELICES | {

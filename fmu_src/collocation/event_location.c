@@ -104,6 +104,11 @@ static CrossingResult end_on_crossing(const SegmentLimits *limits, StepIndicator
         if (!keep_in_bracket(&bracket, whole.h, t, &next)) break;
         t = next;
     }
+    /* A speed or a distance to the stop that is all but zero has its zero closer to the start than the halvings come. */
+    const bool is_of_motion = indicator == STEP_SPEED || indicator == STEP_TO_STOP;
+    if (!blocked && is_of_motion && bracket.closed &&
+        radau_step_solve(&slip, &whole.start, bracket.right, stages, step))
+        return CROSSING_REACHED;
     if (blocked && bracket.closed && bracket.left > 0.0 &&
         radau_step_solve(limits->slip, &whole.start, bracket.left, stages, step))
         return CROSSING_BLOCKED;
@@ -148,8 +153,8 @@ static bool can_lose_answer(const SlipMode *slip) {
     return slip->friction_is_loaded && !slip->searches && slip->regime == REGIME_INERTIAL;
 }
 
-/* Newton's method can lose the answer of the balance at some place and end at another one, off the flanks. The reactions on the flanks go on there, and a search finds them. The step then ends just before
- * this place, and the event is the loss. */
+/* Newton's method can lose the answer of the balance at some place and end at another one, off the flanks. The reactions on
+ * the flanks go on there, and a search finds them. The step then ends just before this place, and the event is the loss. */
 COMPACT static bool ends_on_loss(const SegmentLimits *limits, StepIndicator indicator, RadauStep *step) {
     SlipMode searching = *limits->slip;
     if (!can_lose_answer(&searching)) return false;

@@ -271,7 +271,9 @@ double step_indicator_first_crossing(const SegmentLimits *limits, const RadauSte
     if (counts(STEP_SPEED, ignored)) keep_earlier(rest, STEP_SPEED, &first);
     for (StepIndicator k = STEP_TO_STOP; k <= STEP_BREAKPOINT; k++) {
         if (!counts(k, ignored) || (rest == INFINITY && step_indicator_at_end(limits, k, step) > 0.0)) continue;
-        keep_earlier(crossing_of(limits, k, step), k, &first);
+        const double x = crossing_of(limits, k, step);
+        /* However near the stop is, the time to it follows from the acceleration. */
+        keep_earlier(k == STEP_TO_STOP ? max_of(x, DBL_MIN) : x, k, &first);
     }
     if (reaches_band_edge(limits, step) && counts(STEP_BAND_EDGE, ignored))
         keep_earlier(band_edge_crossing(limits, step), STEP_BAND_EDGE, &first);

@@ -21,6 +21,7 @@ typedef enum {
     OUTCOME_GOES_ON,
     OUTCOME_STOPPED, /* the visitor has stopped the step */
     OUTCOME_NOT_FINITE,
+    OUTCOME_NO_SPEED,       /* no speed balances the torque */
     OUTCOME_REST_OR_MOTION, /* both balance the torque */
     OUTCOME_TOO_MANY_JAMS,
     OUTCOME_TOO_MANY_SEGMENTS,
@@ -81,6 +82,18 @@ static bool nothing_resists(const Mechanism *m) {
     const bool damped = resisted && !has_inertia(&m->params);
     const bool follower_only = m->params.inertia.shaft == 0.0 && !damped;
     return follower_only && m->configuration.geometry.dz_dtheta <= NEAR_DWELL * m->model.transmission.slope_size;
+}
+
+/* Without inertia, in a motion: has friction that grows with the speed a coefficient so large that the torque is at the limit
+ * of what friction resists at any speed? Other flanks can balance the torque at a low speed, but hardly any inertia would
+ * never come to them. */
+COMPACT static bool speed_has_no_bound(const Mechanism *m) {
+    if (has_inertia(&m->params) || !m->moves_on || !is_slip(m->state.mode)) return false;
+    const Geometry *g = &m->configuration.geometry;
+    bool boundless = false;
+    for (int i = 0; i < 2; i++)
+        boundless |= m->params.cam[i].law.viscous * cam_sliding(g, i) * fabs(m->state.omega.hi) > FRICTION_BOUNDLESS;
+    return boundless;
 }
 
 /* Without inertia: does the torque exceed what friction can resist at any speed? Friction that grows with the speed
@@ -197,6 +210,7 @@ NOINLINE static Outcome make_segments(Mechanism *m, StepRun *run) {
         if (is_mode_known(run)) return OUTCOME_DONE;
         const Outcome limits = run->left > 0.0 || run->settles ? check_limits(m, run) : OUTCOME_GOES_ON;
         if (limits != OUTCOME_GOES_ON) return limits;
+        if (run->left > 0.0 && speed_has_no_bound(m)) return OUTCOME_NO_SPEED;
         const SlipProposal same_mode = go_on(m, run, &location, &segment);
         if (same_mode == SLIP_NOT_FINITE) return OUTCOME_NOT_FINITE;
         if (same_mode == SLIP_UNDECIDED) {
@@ -229,7 +243,7 @@ static const char *reason_of(const Mechanism *m, Outcome outcome) {
     if (nothing_resists(m))
         return "nothing resists the motion on a dwell, where inertia.shaft, or without any inertia shaft.damping, must "
                "be > 0";
-    if (outcome == OUTCOME_NOT_FINITE && no_speed_balances(m))
+    if (outcome == OUTCOME_NO_SPEED || (outcome == OUTCOME_NOT_FINITE && no_speed_balances(m)))
         return "without inertia no speed balances the torque under friction that grows with the speed, so inertia.shaft "
                "must be > 0";
     switch (outcome) {

@@ -14,6 +14,9 @@ static const double VISCOUS_ROUNDING = 4.0 * DBL_EPSILON, VISCOUS_BLOCKED = 1e-1
                     STRIBECK_GONE_TUSTIN = 37.0;
 static const double STRIBECK_FALLEN = 18.0, STRIBECK_FALLEN_TIGHT = 30.0, STRIBECK_TIGHT = 1e-7;
 
+/* A coefficient that only a torque at the limit of all friction reaches. */
+static const double FRICTION_BOUNDLESS = 1e10;
+
 /* Where friction falls: the most parts of a step; the halvings of a part; the least steepness of Gauss's law; in roots
  * of the tolerance the share of friction that an excess must have to need parts; v/v_s above which a first guess leaves
  * the excess out. */
