@@ -172,3 +172,17 @@ def test_rest_under_load_laws_ends_in_a_step_below_the_normal_numbers(fmu):
     second = {"tau": (0.0, [1e308, 1.7976931348623157e308]), "F_ext": (-1e-310, [])}
     more = [("cam1.friction", 0.03162277660168379), ("damper.c_release", 0.01)]
     co_simulate(fmu, [(first, 1e300, law, None), (second, 2.3e-308, more, None)])
+
+
+def test_derivatives_of_a_step_with_many_segments_are_bounded(fmu):
+    """1e5 rad/s in one step of 1 s: nearly the most evaluations that a step may take."""
+    if fmu.model.identifier != "DualCamForward":
+        pytest.skip("the inverse FMU has no derivatives of a step")
+    fmu.begin()
+    assert not fmu.start(MECHANISMS["without friction"])
+    fmu.set("cam2.friction_viscous", 5e-324)
+    fmu.set("spring.stiffness", 1e11)
+    assert fmu.call("DoStep", 0.0, 1.0, 1) == OK
+    for name in ("step.dtheta_dtau", "step.domega_dcam1.friction"):
+        value = fmu.get([name])
+        assert value is not None and math.isfinite(value[0])
