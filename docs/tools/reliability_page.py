@@ -100,7 +100,7 @@ def long_fuzzing() -> str:
     if not runs or runs[-1]["findings"] != "0":
         return "Long fuzzing with other scenes still finds wrong ones."
     clean = sum(run["findings"] == "0" for run in runs)
-    return f"{clean} of {len(runs)} runs of an hour with other scenes found none that is wrong."
+    return f"Of {len(runs)} long runs of fuzzing with other scenes, {clean} found nothing, among them the last one."
 
 
 def long_runs() -> str:
