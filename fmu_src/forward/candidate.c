@@ -305,6 +305,7 @@ static Candidate general_candidate(const Mechanism *m, int index) {
     const double steady = steady_time(&slip, &now);
     const bool may_let_go = slip.friction_varies && m->state.omega.hi != 0.0; /* at a jam, see tolerances.h */
     const double coarse = may_let_go ? CANDIDATE_COARSE_VARYING : CANDIDATE_COARSE;
+    const double load = fabs(now.force) + fabs(now.F_ext) + fabs(now.damper); /* N */
     for (int i = 0; i < 2; i++) {
         candidate.axial[i] = now.axial[i] * spring;
         candidate.contact[i] = (ContactLoad){.value = now.x[i], .rate = rates.contact[i]};
@@ -312,6 +313,9 @@ static Candidate general_candidate(const Mechanism *m, int index) {
             (ContactLoad){.value = coarse * rates.size[i], .rate = CANDIDATE_COARSE * rates.rate_size[i]};
         const double noise = slip.regime != REGIME_RATE_INDEPENDENT ? noise_of_angle(m, &slip, &now, i) : 0.0;
         candidate.size[i].value += noise;
+        /* The balance sets a reaction below a rounding of the load to zero (loaded_contacts.c). */
+        if (slip.friction_is_loaded)
+            candidate.size[i].value = max_of(candidate.size[i].value, coarse * load / slip.params->cam[i].radius);
         candidate.size[i].rate += candidate.size[i].value / steady;
         candidate.rounding[i] = CANDIDATE_COARSE * rates.size[i] + noise;
         candidate.unseen[i] =
