@@ -85,7 +85,8 @@ def rounding_of_speed(
     a1, a2 = slopes(fmu, grooves)
     k = [parameters[f"spring.{name}"] for name in ("preload", "stiffness", "stiffness2", "stiffness3")]
     force = math.fsum(abs(c * z**i) for i, c in enumerate(k)) + math.fsum(map(abs, forces))
-    return TIE * (torque_unit * math.fsum(map(abs, taus)) + a1 * a2 / (a1 + a2) * force) * h / felt
+    lift = abs(a1 * a2 / (a1 + a2))  # m/rad; where a groove is level, its slope is a rounding of either sign
+    return TIE * (torque_unit * math.fsum(map(abs, taus)) + lift * force) * h / felt
 
 
 def rounding_by_angle(fmu: Driver, parameters: Mapping[str, Any]) -> float:
