@@ -20,9 +20,8 @@ wasmtime = pytest.importorskip(
 
 CODES = {"Real": "d", "Integer": "i", "Boolean": "i"}  # of the module struct
 ROOM = 1 << 16  # bytes, for the arguments of a call
-DERIVATIVES_OF_STEP = (
-    3  # times the operations of a step: reading them makes each segment again, with derivatives
-)
+# Times the operations of a step: reading its derivatives makes each segment again, with derivatives.
+DERIVATIVES_OF_STEP = 2
 
 
 class TooMuchWork(Exception):
