@@ -8,7 +8,7 @@
 LinearEvent linear_event_horizon(const LinearSegment *s, double horizon) {
     const SlipStart *l = &s->start;
     const double rest = l->drive == 0.0 ? oscillator_zero(&s->linear->oscillator, l->omega, l->alpha) : INFINITY;
-    return rest <= horizon ? (LinearEvent){EVENT_REST, rest} : (LinearEvent){EVENT_NONE, horizon};
+    return rest <= horizon ? (LinearEvent){EVENT_REST, rest, 0} : (LinearEvent){EVENT_NONE, horizon, 0};
 }
 
 /* The earliest event found so far, and what describes the segment up to it. */
@@ -20,19 +20,21 @@ typedef struct {
     Kernel latest; /* of the latest sample of an indicator */
 } EventSearch;
 
-/* Ends the segment at t, unless t is infinite: there is no such event. */
-static void end_segment_at(EventSearch *search, EventKind kind, double t) {
-    if (!(t < INFINITY)) return;
-    search->event = (LinearEvent){.kind = kind, .t = t};
-    if (search->latest.t == t) *search->kernel = search->latest;
-    else oscillator_kernel(&search->segment->linear->oscillator, t, search->kernel);
+/* Ends the segment with the event, unless its time is infinite: there is no such event. */
+static void end_segment_at(EventSearch *search, LinearEvent event) {
+    if (!(event.t < INFINITY)) return;
+    search->event = event;
+    if (search->latest.t == event.t) *search->kernel = search->latest;
+    else oscillator_kernel(&search->segment->linear->oscillator, event.t, search->kernel);
     linear_segment_ends(search->segment, search->kernel, search->ends);
 }
 
 static void search_crossing(EventSearch *search, EventKind kind, LinearQuantity quantity, double sign) {
     const LinearIndicator indicator = {search->segment, quantity, sign, &search->latest};
     const double t = linear_search_crossing(&indicator, search->event.t);
-    if (t < search->event.t || search->event.kind == EVENT_NONE) end_segment_at(search, kind, t);
+    const int contact = quantity == QUANTITY_CONTACT_2 ? 1 : 0;
+    if (t < search->event.t || search->event.kind == EVENT_NONE)
+        end_segment_at(search, (LinearEvent){kind, t, contact});
 }
 
 /* Time at which theta reaches the stop. theta is monotone up to the present event, where the stop is reached or
@@ -51,14 +53,9 @@ LinearEvent linear_event_first(const LinearSegment *s, LinearEvent last, Kernel 
     if (s->start.drive != 0.0 && !linear_segment_keeps_speed(s, ends))
         search_crossing(&search, EVENT_REST, QUANTITY_SPEED, direction);
     /* The segment now ends at the first velocity zero at the latest, so theta is monotone in it. */
-    if (direction * ends->motion.dtheta >= s->to_stop) end_segment_at(&search, EVENT_STOP, time_to_stop(&search));
-    for (int k = 0; s->flanks && k < 4; k++) { /* both edges of the band, then both contacts */
-        const int i = k % 2;
-        const bool edge = k < 2;
-        if (edge ? !linear_segment_has_band_edge(s, i) : linear_segment_keeps_flank(s, ends, i)) continue;
-        search_crossing(&search, edge ? EVENT_REST : EVENT_FLANK,
-                        edge ? linear_quantity_of_edge(i) : linear_quantity_of_contact(i),
-                        edge ? direction : s->linear->flank[i]);
-    }
+    if (direction * ends->motion.dtheta >= s->to_stop) end_segment_at(&search, (LinearEvent){EVENT_STOP, time_to_stop(&search), 0});
+    for (int i = 0; s->flanks && i < 2; i++)
+        if (!linear_segment_keeps_flank(s, ends, i))
+            search_crossing(&search, EVENT_FLANK, linear_quantity_of_contact(i), s->linear->flank[i]);
     return search.event;
 }

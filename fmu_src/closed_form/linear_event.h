@@ -12,7 +12,8 @@
 
 typedef struct {
     EventKind kind;
-    double t; /* s since the start of the segment */
+    double t;    /* s since the start of the segment */
+    int contact; /* of EVENT_FLANK: the contact whose reaction passes zero */
 } LinearEvent;
 
 /* The latest end of the segment: velocity zero, if its time follows without a search, else EVENT_NONE at `horizon`. */

@@ -10,7 +10,7 @@ static Regime regime_of(const Params *p, double damping) {
 static bool is_possible(const LinearSlipMode *linear) {
     if (!linear->transfer.regular) return false;
     if (linear->regime == REGIME_INERTIAL) return linear->mass > 0.0;
-    return linear->regime == REGIME_RATE_INDEPENDENT || linear->damping != 0.0;
+    return linear->regime == REGIME_RATE_INDEPENDENT ? linear->transfer.delta > 0.0 : linear->damping > 0.0;
 }
 
 static Oscillator oscillator_of_linear_slip(const LinearSlipMode *linear) {
@@ -163,20 +163,12 @@ ContactLoadPair linear_slip_contacts(const LinearSlipMode *linear, double force,
     };
 }
 
-ContactLoad linear_slip_contact_size(const LinearSlipMode *linear, const Params *p, const Geometry *g,
-                                     const SlipStart *l, int i) {
-    const double axial = fabs(linear->transfer.axial[i]);
-    const double speed = fabs(linear->speed[i]), acceleration = fabs(linear->acceleration[i]);
+double linear_slip_contact_size(const LinearSlipMode *linear, const Params *p, const Geometry *g, const SlipStart *l,
+                                int i) {
     const double spring = fabs(p->spring.stiffness * g->dz_dtheta);
-    const double omega = fabs(l->omega), alpha = fabs(l->alpha);
-    const double decay2 = fabs(linear->oscillator.decay2), w2 = fabs(linear->oscillator.stiffness);
-    const double jerk = fabs(l->drive) + decay2 * alpha + w2 * omega;
     const double force = fabs(p->spring.preload) + spring * fabs(l->theta) + fabs(l->F_ext);
-    return (ContactLoad){
-        .value = axial * force + speed * omega + acceleration * alpha,
-        .rate = axial * (spring * omega + fabs(l->F_ext_rate)) + speed * alpha + acceleration * jerk,
-        .second = axial * spring * alpha + speed * jerk + acceleration * (decay2 * jerk + w2 * alpha),
-    };
+    return fabs(linear->transfer.axial[i]) * force + fabs(linear->speed[i] * l->omega) +
+           fabs(linear->acceleration[i] * l->alpha);
 }
 
 /* integral of omega^2 over the segment, J per N.m.s/rad */

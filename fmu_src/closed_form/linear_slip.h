@@ -26,7 +26,7 @@
 
 /* A slip mode and its constant coefficients. */
 typedef struct {
-    bool possible; /* false: Delta = 0, or M is not positive: friction jams the motion */
+    bool possible; /* D/Delta > 0: M, or without inertia B, is positive; without both Delta > 0 */
     int direction; /* sigma: +1 loading, -1 releasing */
     int flank[2];  /* e_i */
     Regime regime;
@@ -84,9 +84,9 @@ ContactLoadPair linear_slip_contacts(const LinearSlipMode *linear, double force,
 ContactLoad linear_slip_contact(const LinearSlipMode *linear, const Params *params, const Geometry *g,
                                 const SlipStart *start, const LinearMotion *motion, int i);
 
-/* Sums of the magnitudes of the terms of x_i and its derivatives at the start. Rounding errors are some eps of them. */
-ContactLoad linear_slip_contact_size(const LinearSlipMode *linear, const Params *params, const Geometry *g,
-                                     const SlipStart *start, int i);
+/* The sum of the magnitudes of the terms of x_i at the start. The rounding error is some eps of it. */
+double linear_slip_contact_size(const LinearSlipMode *linear, const Params *params, const Geometry *g,
+                                const SlipStart *start, int i);
 
 /* Work and heat over the segment that `kernel` and `motion` describe, J, and with has_wear() the wear. Computes
  * kernel->square if needed. */

@@ -8,7 +8,6 @@
 #include "collocation/step_indicator.h"
 #include "elementary/elementary.h"
 #include "numerics/tolerances.h"
-#include "platform/attributes.h"
 
 /* ---- a step that ends on a crossing ---- */
 
@@ -61,20 +60,12 @@ static bool keep_in_bracket(const Bracket *bracket, double full, double t, doubl
     return true;
 }
 
-/* Has the location of a change of flanks found a pole? Under Coulomb friction reactions can change their sign through
- * infinity, where the effective inertia is zero. `f`: the indicator at the place that was found. */
-COMPACT static bool is_pole(const SegmentLimits *limits, StepIndicator indicator, const RadauStep *whole, double f) {
-    if (limits->slip->friction_is_loaded || !step_indicator_is_flank(indicator)) return false;
-    return fabs(f) > LOCATION_POLE * fabs(whole->start.x[step_indicator_contact(indicator)]);
-}
-
-/* Shortens the step so that it ends on the crossing at the share x of the step. The edge of the stick band is bisected:
- * its rate is not known. So is a reaction that is a difference of far larger terms, whose rate is rounding: Newton's
- * method then creeps. */
+/* Shortens the step so that it ends on the crossing at the share x of the step. A reaction that is a difference of far larger
+ * terms, whose rate is rounding, is bisected: Newton's method would creep. */
 static CrossingResult end_on_crossing(const SegmentLimits *limits, StepIndicator indicator, double x, RadauStep *step) {
     const RadauStep whole = *step;
     SlipMode slip = *limits->slip;
-    slip.to_rounding = indicator != STEP_BREAKPOINT && indicator != STEP_JAM;
+    slip.to_rounding = indicator != STEP_BREAKPOINT;
     const int stages = whole.method->stages;
     const double allowance = step_indicator_allowance(limits, indicator, &whole);
     Bracket bracket = {0.0, whole.h, step_indicator_at_end(limits, indicator, &whole) + allowance < 0.0};
@@ -90,17 +81,12 @@ static CrossingResult end_on_crossing(const SegmentLimits *limits, StepIndicator
         const double f = step_indicator_at_end(limits, indicator, step) + allowance;
         if (is_reached(limits, indicator, f)) return CROSSING_REACHED;
         narrow(&bracket, t, f);
-        const bool bisects =
-            indicator == STEP_BAND_EDGE || indicator == STEP_JAM || (n >= LOCATION_NEWTON && bracket.closed);
+        const bool bisects = n >= LOCATION_NEWTON && bracket.closed;
         const IndicatorRate slope =
             bisects ? (IndicatorRate){-1.0, 0.0} : step_indicator_rate(limits, indicator, radau_step_end(step), t);
         if (fabs(f) <= slope.rounding) return CROSSING_REACHED;
         double next = bisects ? 0.5 * (bracket.left + bracket.right) : t - f / slope.rate;
-        if (is_found(&bracket, t, next)) {
-            if (!is_pole(limits, indicator, &whole, f)) return CROSSING_REACHED;
-            blocked = true;
-            break;
-        }
+        if (is_found(&bracket, t, next)) return CROSSING_REACHED;
         if (!keep_in_bracket(&bracket, whole.h, t, &next)) break;
         t = next;
     }
@@ -114,69 +100,6 @@ static CrossingResult end_on_crossing(const SegmentLimits *limits, StepIndicator
         return CROSSING_BLOCKED;
     *step = whole;
     return CROSSING_NONE;
-}
-
-/* The size of the terms of a reaction at the end of the step. */
-static double reaction_size(const SegmentLimits *limits, StepIndicator indicator, const RadauStep *step) {
-    return step_indicator_rate(limits, indicator, radau_step_end(step), step->h).rounding / DBL_EPSILON;
-}
-
-/* Is the reaction at the end of the step on its flank by far more than rounding? */
-static bool is_on_flank(const SegmentLimits *limits, StepIndicator indicator, const RadauStep *step) {
-    const double size = reaction_size(limits, indicator, step);
-    return step_indicator_at_end(limits, indicator, step) > LOCATION_LOST_SHARE * size;
-}
-
-/* Does the reaction at the end of the step press off its flank by more than rounding? */
-static bool is_off_flank(const SegmentLimits *limits, StepIndicator indicator, const RadauStep *step) {
-    const double size = reaction_size(limits, indicator, step);
-    return step_indicator_at_end(limits, indicator, step) < -REACTION_ZERO_SHARE * size;
-}
-
-/* Shortens the step until the indicator is not rounding at its end; false if it is rounding in shorter steps, too. */
-COMPACT static bool step_before_loss(const SegmentLimits *limits, StepIndicator indicator, const RadauStep *landed,
-                                     RadauStep *step) {
-    SlipMode slip = *limits->slip;
-    slip.to_rounding = true;
-    double share = LOCATION_LOSS;
-    for (int n = 0; n < LOCATION_EXTENSIONS; n++, share *= 4.0) {
-        const double h = landed->h * (1.0 - share);
-        if (radau_step_solve(&slip, &landed->start, h, landed->method->stages, step) &&
-            is_on_flank(limits, indicator, step))
-            return true;
-    }
-    return false;
-}
-
-/* Where friction depends on the load, Newton's method can lose the answer of the balance of a motion. A search does not. */
-static bool can_lose_answer(const SlipMode *slip) {
-    return slip->friction_is_loaded && !slip->searches && slip->regime == REGIME_INERTIAL;
-}
-
-/* Newton's method can lose the answer of the balance at some place and end at another one, off the flanks. The reactions on
- * the flanks go on there, and a search finds them. The step then ends just before this place, and the event is the loss. */
-COMPACT static bool ends_on_loss(const SegmentLimits *limits, StepIndicator indicator, RadauStep *step) {
-    SlipMode searching = *limits->slip;
-    if (!can_lose_answer(&searching)) return false;
-    searching.searches = searching.to_rounding = true;
-    const RadauStep landed = *step;
-    if (radau_step_solve(&searching, &landed.start, landed.h * (1.0 + LOCATION_LOSS), landed.method->stages, step) &&
-        is_on_flank(limits, indicator, step) && step_before_loss(limits, indicator, &landed, step))
-        return true;
-    *step = landed;
-    return false;
-}
-
-/* Does a node inside the step have another answer than the end, off the flank? The acceleration of the step is then a mixture
- * of two motions, and a shorter step shows the loss. */
-COMPACT static bool mixes_answers(const SegmentLimits *limits, StepIndicator indicator, const RadauStep *step) {
-    const SlipMode *slip = limits->slip;
-    if (!can_lose_answer(slip)) return false;
-    const int i = step_indicator_contact(indicator);
-    const double lost = LOCATION_LOST_SHARE * reaction_size(limits, indicator, step);
-    bool mixes = false;
-    for (int j = 0; j < step->method->stages; j++) mixes |= slip->flank[i] * step->node[j].x[i] < -lost;
-    return mixes;
 }
 
 /* Lengthens the step by roundings until the indicator is not positive at its end: a reaction that is only nearly zero
@@ -221,23 +144,17 @@ static bool ends_at_stop(const SegmentLimits *limits, const RadauStep *step) {
     return step_indicator_at_end(limits, STEP_TO_STOP, step) >= -angle_tolerance(p);
 }
 
-/* Near load zero the law of a friction coefficient over the load is no polynomial of the time: the other reaction can pass
- * zero just before the located one, behind the last node. Shortens the step to end where the other reaction is off its
- * flank. */
-COMPACT static bool other_has_left(const SegmentLimits *limits, StepIndicator indicator, RadauStep *step) {
-    if (!limits->slip->friction_is_loaded) return false;
-    const StepIndicator other = indicator == STEP_FLANK_1 ? STEP_FLANK_2 : STEP_FLANK_1;
-    const RadauStep landed = *step;
-    SlipMode slip = *limits->slip;
-    slip.to_rounding = true;
-    double share = LOCATION_CLOSER;
-    for (int n = 0; n < LOCATION_LOOKS_BACK; n++, share *= LOCATION_CLOSER) {
-        const double h = landed.h * (1.0 - share);
-        if (radau_step_solve(&slip, &landed.start, h, landed.method->stages, step) && is_off_flank(limits, other, step))
-            return true;
-    }
-    *step = landed;
-    return false;
+/* Which reactions pass zero at the end of the step? Without a moment W both are in proportion to the axial load, and pass zero
+ * with it; else the one that was located. */
+static void note_crossing(const SegmentLimits *limits, StepIndicator indicator, EventLocation *location) {
+    const SlipMode *slip = limits->slip;
+    const Balance *end = radau_step_end(&location->step);
+    const bool has_moment = slip->regime == REGIME_INERTIAL && slip->params->inertia.follower > 0.0;
+    const int i = step_indicator_contact(indicator);
+    double size[2];
+    balance_contact_sizes(slip, end, size);
+    location->crossed[i] = true;
+    location->crossed[1 - i] = !has_moment && fabs(end->x[1 - i]) <= CROSSING_TOGETHER * size[1 - i];
 }
 
 /* ---- the first event ---- */
@@ -274,19 +191,15 @@ static bool end_on_first_event(const SegmentLimits *limits, const StopAhead *sto
         if (x == CROSSING_UNRESOLVED) return false;
         const RadauStep before = *step;
         const CrossingResult result = end_on_crossing(limits, first, x, step);
-        const bool at_flank = result == CROSSING_REACHED && step_indicator_is_flank(first);
-        const bool lost = at_flank && ends_on_loss(limits, first, step);
-        if (at_flank && !lost && other_has_left(limits, first, step)) continue;
-        if (result == CROSSING_REACHED && !lost && must_step_past(limits, first)) step_past_zero(limits, first, step);
+        if (result == CROSSING_REACHED && must_step_past(limits, first)) step_past_zero(limits, first, step);
         *solved = step->h;
         if (result == CROSSING_BLOCKED) return false;
-        if (result == CROSSING_NONE && step_indicator_is_flank(first) && mixes_answers(limits, first, &before))
-            return false;
         const bool turns =
             first == STEP_TO_STOP && turns_at_stop(limits->slip, stop, step) && ends_at_stop(limits, &before);
         if (result == CROSSING_REACHED && !turns) {
-            location->kind = lost ? EVENT_LOST : step_indicator_event(first);
-            location->leaves_flank = location->kind == EVENT_FLANK && is_off_flank(limits, first, &before);
+            location->kind = step_indicator_event(first);
+            location->crossed[0] = location->crossed[1] = false;
+            if (location->kind == EVENT_FLANK) note_crossing(limits, first, location);
             location->at_breakpoint = first == STEP_BREAKPOINT;
         } else {
             *step = before;
@@ -298,14 +211,14 @@ static bool end_on_first_event(const SegmentLimits *limits, const StopAhead *sto
 }
 
 /* Does friction act on each contact that has a friction coefficient, by more than rounding? */
-COMPACT static bool friction_acts(const SlipMode *slip, const Balance *b) {
+static bool friction_acts(const SlipMode *slip, const Balance *b) {
     const int firm = balance_firm_contacts(slip, b);
     return ((firm & 1) || b->friction[0] == 0.0) && ((firm & 2) || b->friction[1] == 0.0);
 }
 
 /* A contact without load, as on a dwell, can jam where the next piece of the transmission begins. The mechanism then stays
  * where it jams, so the angle needs all digits there: the step ends on the breakpoint, to rounding. */
-COMPACT static void end_on_breakpoint(const SegmentLimits *limits, EventLocation *location) {
+static void end_on_breakpoint(const SegmentLimits *limits, EventLocation *location) {
     const SlipMode *slip = limits->slip;
     const RadauStep landed = location->step;
     const bool at_breakpoint = location->at_breakpoint || location->aimed_at_breakpoint;
@@ -336,7 +249,7 @@ static void propose_next(const StepProposal *first, double to_breakpoint, EventL
 
 /* s: where a deviation of the speed grows and the contacts carry next to no load, the deviation is as small as rounding.
  * A long step would damp such a deviation, and follow the unstable balance. */
-COMPACT static double departure_time(const SegmentLimits *limits, const Balance *start) {
+static double departure_time(const SegmentLimits *limits, const Balance *start) {
     const SlipMode *slip = limits->slip;
     if (slip->regime != REGIME_INERTIAL || !limits->has_friction || !(start->rhs.by_omega > 0.0)) return INFINITY;
     if (balance_firm_contacts(slip, start) != 0) return INFINITY;
@@ -353,7 +266,7 @@ bool event_location_find(const SlipMode *slip, const Balance *start, const StopA
         const double longest = min_of(min_of(most, length), to_breakpoint);
         if (!step_control_solve(slip, start, longest, first, &location->step)) return false;
         location->kind = EVENT_NONE;
-        location->leaves_flank = location->at_breakpoint = false;
+        location->at_breakpoint = false;
         propose_next(first, to_breakpoint, location);
         if (end_on_first_event(&limits, stop, location, &solved)) {
             end_on_breakpoint(&limits, location);

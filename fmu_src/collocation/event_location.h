@@ -21,7 +21,7 @@
 typedef struct {
     RadauStep step;
     EventKind kind;     /* what ended the segment */
-    bool leaves_flank;  /* of EVENT_FLANK: behind the event a reaction presses off its flank by more than rounding */
+    bool crossed[2];    /* of EVENT_FLANK: the reactions that pass zero */
     bool at_breakpoint; /* the segment ended at a breakpoint of the transmission */
     bool aimed_at_breakpoint; /* the step was to end at the breakpoint, or at a sample of a friction table */
     StepProposal next;        /* for the next segment */

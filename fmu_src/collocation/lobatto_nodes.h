@@ -17,11 +17,7 @@ typedef struct {
     /* Only where friction varies: */
     Vector2 omega, sliding[2];                /* rad/s, m: at which the balance was taken last; v_i per omega */
     Vector2 friction[2], dfriction_domega[2]; /* f_i, s/rad */
-    /* Only where friction depends on the load; friction[] then holds the tangent coefficients f'_i (loaded_contacts.h): */
-    Vector2 x[2], rest[2];    /* N/m, x_i and f'_i x_i - f_i x_i */
-    Vector2 bend[2];          /* N/m, -x_i^2 F''/2, of the friction force F */
-    bool is_bent[2];          /* bend[] holds all that F has of second order */
-    Vector2 friction_damping; /* 1/s, its part of the damping rate, as the first sweep found it */
+    Vector2 friction_damping;                 /* 1/s, its part of the damping rate, as the first sweep found it */
 } NodePair;
 
 /* z'' and gamma''; 0 where the follower has neither mass nor inertia. */
@@ -43,51 +39,20 @@ typedef struct {
     double theta, omega, h;       /* rad, rad/s at the start; s */
     /* Only where friction varies: */
     const FrictionNearby *law[2]; /* times sigma e_i */
-    FrictionSource source;
+    bool has_loads, has_tables;   /* friction depends on the load; a contact has a table */
     /* Only where there is such a table; of a contact without one, the same as of the other contact: */
     const FrictionPiece *piece[2];
     const FrictionPatch *patch[2]; /* of a contact whose table has loads, else NULL */
-    size_t span[2];                /* the loads of the patch */
-    FrictionNear near[2];          /* only of a contact with a patch */
-    double share_to_load; /* only with patches: of a rejected step, until a load of a table; infinity: not for that */
     Vector2 lowest, highest; /* m/s, the sliding speeds up to which the step may use the pieces */
-    bool keeps_slopes;       /* the nodes hold df_i/domega of the tables whose loads count */
     EndSpeed end_speed;
     LobattoValues tau, F_ext;
     LobattoValues dtheta, speed; /* rad, rad/s: theta_i - theta_0, omega_i */
     LobattoValues y;             /* alpha_i in rad/s^2, or without inertia omega_i in rad/s */
-    Vector2 load_square[2]; /* only where friction depends on the load: the largest square of a relative change of x_i
-                               in a sweep, of both halves; [1]: of forces whose second order is known */
     double end_shift;       /* rad, dtheta at the end less the dtheta at which the balance was taken last */
     NodePair pair[LOBATTO_HALVES];
 } LobattoSystem;
 
-/* Friction tables, at a contact; with loads. */
-static inline bool lobatto_has_tables(const LobattoSystem *system) {
-    return system->source != FRICTION_BY_LAWS;
-}
-
-static inline bool lobatto_has_patches(const LobattoSystem *system) {
-    return system->source == FRICTION_ON_PATCHES || system->source == FRICTION_ON_PATCH;
-}
-
-/* A contact has a table, and a contact has no table with loads. */
-static inline bool lobatto_has_pieces(const LobattoSystem *system) {
-    return system->source > FRICTION_ON_PATCHES;
-}
-
-/* Where friction depends on the load: what the rests add to A, W and T of the balance with the factors of f'_i. */
-typedef struct {
-    Vector2 axial, moment, torque;
-} LoadShift;
-
-static inline LoadShift lobatto_load_shift(const SlipMode *slip, const NodePair *n) {
-    const CamParams *cam = slip->params->cam;
-    const Vector2 torque[2] = {cam[0].radius * cam[0].radius * n->rest[0], cam[1].radius * cam[1].radius * n->rest[1]};
-    return (LoadShift){-(n->slope[0] * n->rest[0] + n->slope[1] * n->rest[1]), torque[1] - torque[0], torque[1]};
-}
-
-/* N, N.m; 1/m^3: A and W at two nodes of a solution, with the shift of the rests; 1/Delta. */
+/* N, N.m; 1/m^3: A and W at two nodes of a solution; 1/Delta. */
 typedef struct {
     Vector2 axial, moment, inverse;
 } NodeForces;
@@ -101,11 +66,6 @@ static inline NodeForces lobatto_node_forces(const LobattoSystem *system, int k)
         const Vector2 omega = system->speed.half[k], alpha = system->y.half[k], omega2 = omega * omega;
         out.axial += in->follower_mass * (n->dz_dtheta * alpha + n->d2z_dtheta2 * omega2);
         out.moment = in->follower * (n->dpsi_dtheta[0] * alpha + n->d2gamma_dtheta2 * omega2);
-    }
-    if (slip->friction_varies && slip->friction_is_loaded) {
-        const LoadShift shift = lobatto_load_shift(slip, n);
-        out.axial += shift.axial;
-        out.moment += shift.moment;
     }
     return out;
 }

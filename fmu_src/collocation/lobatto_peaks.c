@@ -6,8 +6,6 @@
 #include "numerics/tolerances.h"
 #include "platform/attributes.h"
 
-COMPACT_BEGIN
-
 typedef enum { PEAK_REACTION_1, PEAK_REACTION_2, PEAK_SPEED } PeakQuantity;
 
 /* |value| at the end of a step over the share x of the step: the end of a step is more exact than the cubic inside. NAN
@@ -65,4 +63,3 @@ bool lobatto_peaks_inside(const LobattoSystem *s, const LobattoValues reaction[2
            raise(s, PEAK_SPEED, &s->speed, 1.0, &peaks->omega);
 }
 
-COMPACT_END

@@ -2,14 +2,14 @@
 
 #include <float.h>
 #include <math.h>
+#include <stddef.h>
 
 #include "collocation/breakpoint.h"
-#include "collocation/lobatto_loads.h"
 #include "collocation/lobatto_peaks.h"
 #include "collocation/lobatto_system.h"
 #include "collocation/step_energy.h"
 #include "elementary/elementary.h"
-#include "numerics/bernstein.h"
+#include "model/elements.h"
 #include "numerics/tolerances.h"
 #include "platform/attributes.h"
 
@@ -23,12 +23,36 @@ static bool stays_on_piece(const LobattoSystem *s, int i) {
     return range.low >= s->lowest[i] && range.high <= s->highest[i];
 }
 
+/* N, the nominal loads of contact i at the nodes. */
+static LobattoValues nominal_loads(const LobattoSystem *s, int i) {
+    const double per_load = 1.0 / (s->slip->params->contacts * s->slip->params->cam[i].radius);
+    LobattoValues load;
+    for (int k = 0; k < LOBATTO_HALVES; k++) {
+        const NodePair *n = &s->pair[k];
+        load.half[k] = per_load * vector2_abs((n->force + n->damper) * n->sliding[i]);
+    }
+    return load;
+}
+
+/* Does the nominal load of contact i stay between two loads of its table, or pass one no farther than a step may? */
+static bool stays_on_patch(const LobattoSystem *s, int i) {
+    const FrictionTable *table = s->slip->law[i].table;
+    const LobattoValues load = nominal_loads(s, i);
+    const LobattoRange range = lobatto_range(&load);
+    const double from = load.at[0];
+    const KnotCell cell = friction_table_cell(table->load, table->loads, friction_table_find(table->load, 0, table->loads + 1, from));
+    const bool up = range.high - from > from - range.low;
+    const KnotSteps step = knot_steps(&cell, &cell, s->slip->law[i].fall.overshoot, (Vector2){from, from}, up);
+    const double ahead = up ? range.high - from : from - range.low, back = up ? from - range.low : range.high - from;
+    return ahead <= step.longest[0] && back <= step.back[0];
+}
+
 /* Where friction varies: does it change little enough over the step to be seen by the nodes? */
 static bool resolves_friction(const LobattoSystem *s) {
     const LobattoRange range = lobatto_range(&s->speed);
     for (int i = 0; i < 2; i++) {
         if (s->law[i]->has_table) {
-            if (!stays_on_piece(s, i)) return false;
+            if (!stays_on_piece(s, i) || (s->patch[i] != NULL && !stays_on_patch(s, i))) return false;
             continue;
         }
         const double sliding = s->pair[0].sliding[i][0], v[2] = {range.low * sliding, range.high * sliding};
@@ -70,8 +94,6 @@ static void add_node_loads(const LobattoSystem *s, int k, NodeLoads *out) {
         const Vector2 sliding = x * length2 * n->dpsi_dtheta[i] * dtheta; /* times the sign of x_i */
         b->heat_cam[i] += slip->friction_varies ? lobatto_sum(n->friction[i] * sliding)
                                                 : slip->signed_friction[i] * lobatto_sum(sliding);
-        if (slip->friction_varies && slip->friction_is_loaded)
-            b->heat_cam[i] -= lobatto_sum(n->rest[i] * length2 * n->dpsi_dtheta[i] * dtheta);
     }
 }
 
@@ -120,79 +142,6 @@ static bool stays_on_flanks(const LobattoSystem *s, const NodeLoads *loads) {
         const LobattoValues *x = &loads->x[i];
         if (!balance_is_firm(slip, i, x->at[0], n->factors.rn[1 - i][0] / n->factors.delta[0], load)) return false;
         if (!lobatto_keeps_sign(x, slip->flank[i])) return false;
-    }
-    return true;
-}
-
-COMPACT static bool stays_beside(const FrictionFall *fall, const LobattoValues *reaction, double per_contact) {
-    bool stays = true;
-    const double from = fabs(reaction->at[0]) * per_contact;
-    for (int k = 1; k < LOBATTO_NODES; k++)
-        stays &= !(friction_level_share(fall->level, fall->overshoot, from, fabs(reaction->at[k]) * per_contact) < 1.0);
-    return stays;
-}
-
-/* The share of the step after which the cubic through the values passes `to`, up or down; else infinity. */
-static double share_until(const LobattoValues *v, double to, bool up) {
-    const LobattoValues c = lobatto_combine(LOBATTO.bernstein, v);
-    Bernstein missing = {.degree = LOBATTO_END};
-    for (int k = 0; k < LOBATTO_NODES; k++) missing.c[k] = up ? to - c.at[k] : c.at[k] - to;
-    return bernstein_descent(&missing);
-}
-
-/* Is the load at the start one of its patch, or beyond a knot by no more than a step may pass? A first guess has chosen
- * the patch, before the load was known. */
-COMPACT static bool starts_on_patch(const KnotCell *cell, double overshoot, double from) {
-    return from >= cell->lower - overshoot * cell->beside[0] && from <= cell->ahead[1] + overshoot * cell->beside[1];
-}
-
-/* Does the reaction stay between the loads of its patch, or pass one no farther than a step may? If not, a shorter step
- * can end at that load. */
-COMPACT static bool stays_on_patch(LobattoSystem *s, int i, const LobattoValues *total) {
-    const FrictionTable *table = s->slip->law[i].loaded;
-    const double per = s->slip->flank[i] / (double)s->slip->params->contacts;
-    LobattoValues reaction;
-    for (int k = 0; k < LOBATTO_HALVES; k++) reaction.half[k] = per * total->half[k];
-    const LobattoRange range = lobatto_range(&reaction);
-    const double from = reaction.at[0];
-    const KnotCell cell = friction_table_cell(table->load, table->loads, s->span[i]);
-    if (!starts_on_patch(&cell, s->slip->law[i].fall.overshoot, from)) return false;
-    const bool up = range.high - from > from - range.low;
-    const KnotSteps step = knot_steps(&cell, &cell, s->slip->law[i].fall.overshoot, (Vector2){from, from}, up);
-    const bool stays = up ? range.high - from <= step.longest[0] : from - range.low <= step.longest[0];
-    const double aim = knot_aim(&step, 0);
-    if (!stays) s->share_to_load = min_of(s->share_to_load, share_until(&reaction, up ? from + aim : from - aim, up));
-    return stays && (up ? from - range.low : range.high - from) <= step.back[0];
-}
-
-/* Nearly all steps stay well inside. */
-static bool stays_on_patches(LobattoSystem *s, const NodeLoads *loads) {
-    const double per = 1.0 / s->slip->params->contacts;
-    bool stays = true;
-    for (int i = 0; i < 2; i++) {
-        const FrictionTable *table = s->slip->law[i].loaded;
-        if (!table) continue;
-        const LobattoRange range = lobatto_range(&loads->reaction[i]); /* of one sign, see stays_on_flanks() */
-        const LobattoRange size = s->slip->flank[i] > 0 ? (LobattoRange){range.low * per, range.high * per}
-                                                        : (LobattoRange){-range.high * per, -range.low * per};
-        const size_t k = s->span[i];
-        const double lower = table->load[k], upper = k < table->loads ? table->load[k + 1] : INFINITY;
-        const bool inside =
-            size.low >= lower && size.high <= upper && size.high - size.low <= 0.5 * FRICTION_SPAN * (upper - lower);
-        stays &= inside || stays_on_patch(s, i, &loads->reaction[i]);
-    }
-    return stays;
-}
-
-/* Does no reaction pass the load below which friction levels off? Nearly all steps lie above that load. */
-static inline bool stays_beside_level(const LobattoSystem *s, const NodeLoads *loads) {
-    const double contacts = s->slip->params->contacts;
-    for (int i = 0; i < 2; i++) {
-        const FrictionFall *fall = &s->slip->law[i].fall;
-        const LobattoRange range = lobatto_range(&loads->reaction[i]); /* of one sign, see stays_on_flanks() */
-        const double least = s->slip->flank[i] > 0 ? range.low : -range.high;
-        if (!(least >= fall->level * contacts) && !stays_beside(fall, &loads->reaction[i], 1.0 / contacts))
-            return false;
     }
     return true;
 }
@@ -255,9 +204,6 @@ static bool is_accepted(LobattoSystem *s, const LobattoStart *from, LobattoStep 
     for (int k = 0; k < LOBATTO_HALVES; k++) add_node_loads(s, k, &loads);
     if (has_wear(slip->params)) find_wear(s, &loads);
     if (has_friction(slip->params) && !(stays_on_flanks(s, &loads) && stays_on_spring_flanks(s))) return false;
-    if (slip->friction_varies && slip->friction_is_loaded &&
-        !(stays_beside_level(s, &loads) && (!lobatto_has_patches(s) || stays_on_patches(s, &loads))))
-        return false;
     if (!keeps_energy(s, &loads.booking, &out->energy_gained)) return false;
     out->booking = loads.booking;
     if (slip->params->ledger) find_peaks(s, &loads, from->known, out);
@@ -312,7 +258,7 @@ static bool solve_to_breakpoint(LobattoSystem *s, double rhs) {
 
 /* Friction at the start, where it varies. */
 typedef struct {
-    double sliding[2];           /* m, v_i per omega */
+    double sliding[2], load2[2]; /* m, v_i per omega; see lobatto_friction() */
     double value[2], kinetic[2]; /* f_i, f_i without an excess that falls */
     bool falls;                  /* at a contact */
 } StartFriction;
@@ -322,36 +268,55 @@ static inline Vector2 tabled_sliding(const LobattoSystem *s, const StartFriction
     return (Vector2){friction->sliding[s->slip->law[0].tabled], friction->sliding[s->slip->law[1].tabled]};
 }
 
-/* Takes the pieces of the friction tables. */
+/* Takes the pieces and patches of the friction tables. */
 NOINLINE static void start_on_tables(LobattoSystem *s, double omega, StartFriction *out) {
     const FrictionConstants *law = s->slip->law;
     const Vector2 v = tabled_sliding(s, out) * omega;
-    s->piece[0] = s->piece[1] = friction_table_piece(law[0].table, v[0]);
-    if (law[0].table != law[1].table) s->piece[1] = friction_table_piece(law[1].table, v[1]);
-    const Vector2 mu = s->source == FRICTION_ON_PATCHES ? (Vector2){s->piece[0]->mu[0], s->piece[1]->mu[0]}
-                                                        : friction_on_pieces(s->piece[0], s->piece[1], v);
-    for (int i = 0; i < 2; i++)
-        if (s->law[i]->has_table) out->value[i] = out->kinetic[i] = s->law[i]->sign[0] * mu[i];
+    for (int i = 0; i < 2; i++) {
+        const FrictionTable *table = law[i].table;
+        s->piece[i] = friction_table_piece(table, v[i]);
+        s->patch[i] = NULL;
+        if (!s->law[i]->has_table) continue;
+        if (table->loads > 1)
+            s->patch[i] = friction_table_patch(table, s->piece[i], friction_table_span(table, sqrt(out->load2[i])));
+        const Vector2 speed = {v[i], v[i]}, load2 = {out->load2[i], out->load2[i]};
+        out->value[i] = out->kinetic[i] = lobatto_friction(s, i, speed, load2).value[0];
+    }
+}
+
+/* F^2 at the start, N^2. */
+static double start_force2(const SlipMode *slip, const LobattoStart *from) {
+    const double v = from->geometry->dz_dtheta * from->omega;
+    const double force = spring_force(&slip->params->spring, from->z) + slip->inputs->F_ext[0] + slip_damper_force(slip, v);
+    return force * force;
+}
+
+/* f_i of a law at the start: with the excess that falls, and without. */
+static void start_on_law(const LobattoSystem *s, int i, double v, StartFriction *out) {
+    const FrictionNearby *law = s->law[i];
+    const Vector2 load2 = {out->load2[i], out->load2[i]};
+    const double power = law->half_exponent != 0.0 ? friction_load_power(law->half_exponent, load2)[0] : 1.0;
+    const double faint = LOBATTO_FALL_FAINT * sqrt(s->slip->params->tolerance);
+    const double kinetic = law->kinetic[0] * power + law->viscous[0] * v;
+    out->value[i] = out->kinetic[i] = kinetic;
+    if (v * law->minus_by_v[0] < -LOBATTO_FALL_OVER) return;
+    out->value[i] = friction_by_law(law, (Vector2){v, v}, load2).value[0];
+    const bool shows = law->is_gauss || fabs(out->value[i] - kinetic) > faint * fabs(kinetic);
+    const bool falls = shows && v < s->slip->law[i].fall.end;
+    if (!falls) out->kinetic[i] = out->value[i];
+    out->falls = out->falls || falls;
 }
 
 static StartFriction start_friction(LobattoSystem *s, const LobattoStart *from) {
-    const double faint = LOBATTO_FALL_FAINT * sqrt(s->slip->params->tolerance);
     StartFriction out = {.falls = false};
-    for (int i = 0; i < 2; i++) out.sliding[i] = s->slip->direction * cam_sliding(from->geometry, i);
+    const double force2 = s->has_loads ? start_force2(s->slip, from) : 0.0;
     for (int i = 0; i < 2; i++) {
-        const FrictionNearby *law = s->law[i];
-        if (law->has_table) continue;
-        const double v = from->omega * out.sliding[i];
-        const double kinetic = law->kinetic[0] + law->viscous[0] * v;
-        out.value[i] = out.kinetic[i] = kinetic;
-        if (v * law->minus_by_v[0] < -LOBATTO_FALL_OVER) continue;
-        out.value[i] = friction_by_law(law, (Vector2){v, v}).value[0];
-        const bool shows = law->is_gauss || fabs(out.value[i] - kinetic) > faint * fabs(kinetic);
-        const bool falls = shows && v < s->slip->law[i].fall.end;
-        if (!falls) out.kinetic[i] = out.value[i];
-        out.falls = out.falls || falls;
+        const double sliding = out.sliding[i] = s->slip->direction * cam_sliding(from->geometry, i);
+        out.load2[i] = force2 * sliding * sliding * s->law[i]->per_load2[0];
     }
-    if (lobatto_has_tables(s)) start_on_tables(s, from->omega, &out);
+    for (int i = 0; i < 2; i++)
+        if (!s->law[i]->has_table) start_on_law(s, i, from->omega * out.sliding[i], &out);
+    if (s->has_tables) start_on_tables(s, from->omega, &out);
     return out;
 }
 
@@ -378,7 +343,7 @@ static double share_in_fall(const LobattoSystem *s, const LobattoStart *from, co
 }
 
 /* A motion that slows down: the share of the step up to which the nodes see the fall ahead. */
-COMPACT static double share_to_fall(const LobattoSystem *s, const StartFriction *friction, double omega, double rhs) {
+static double share_to_fall(const LobattoSystem *s, const StartFriction *friction, double omega, double rhs) {
     double share = 1.0;
     for (int i = 0; i < 2; i++) {
         const FrictionFall *fall = &s->slip->law[i].fall;
@@ -397,18 +362,23 @@ ALWAYS_INLINE static inline KnotSteps reach_on_pieces(LobattoSystem *s, Vector2 
     return step;
 }
 
+/* The patches of a piece lie one after the other. */
+static void take_next_piece(LobattoSystem *s, int i, bool up) {
+    const ptrdiff_t next = up ? 1 : -1;
+    s->piece[i] += next;
+    if (s->patch[i] != NULL) s->patch[i] += next * ((ptrdiff_t)s->slip->law[i].table->loads - 1);
+}
+
 /* Takes the next piece where a step before has reached the sample ahead. Shortens the step to end at the sample of the
  * first contact to get there. */
 NOINLINE static void aim_at_samples(LobattoSystem *s, Vector2 v, Vector2 per_time, bool up, KnotSteps step) {
     const double longest = s->h;
     while (knot_is_reached(&step, 0) || knot_is_reached(&step, 1)) { /* at most one turn per sample */
         for (int i = 0; i < 2; i++)
-            if (knot_is_reached(&step, i)) s->piece[i] += up ? 1 : -1;
+            if (knot_is_reached(&step, i)) take_next_piece(s, i, up);
         step = reach_on_pieces(s, v, up);
     }
     for (int i = 0; i < 2; i++) {
-        const FrictionTable *loaded = s->slip->law[i].loaded;
-        if (loaded) s->patch[i] = friction_table_patch(loaded, s->piece[i], s->span[i]);
         const double change = per_time[i] * s->h, aim = knot_aim(&step, i);
         if (v[i] + change >= s->lowest[i] && v[i] + change <= s->highest[i]) continue;
         s->h *= min_of(aim / fabs(change), 1.0);
@@ -441,24 +411,11 @@ NOINLINE static double begin_varying(LobattoSystem *s, const LobattoStart *from)
     StartFriction friction = start_friction(s, from);
     const GrooveBend bend = start_bend(s->slip, from);
     s->omega = from->omega;
-    if (s->slip->friction_is_loaded)
-        lobatto_loads_guess(s, from->geometry, &bend, from->z, friction.value, friction.kinetic);
     const double rhs = guess_rhs(s->slip, from, friction.value, &bend);
     if (friction.falls) s->h *= share_in_fall(s, from, &friction, &bend, rhs);
     if (s->slip->direction * rhs < 0.0) s->h *= share_to_fall(s, &friction, from->omega, rhs);
-    if (lobatto_has_tables(s)) approach_samples(s, &friction, from->omega, rhs);
+    if (s->has_tables) approach_samples(s, &friction, from->omega, rhs);
     return rhs;
-}
-
-/* The share of a rejected step that may be accepted; infinity: none. Where friction varies, a part of the step may be
- * accurate where the whole is not. */
-static double share_left(LobattoSystem *s, bool was_accurate) {
-    if (!s->slip->friction_varies) return INFINITY;
-    if (!was_accurate) return 0.5;
-    if (!lobatto_has_patches(s)) return INFINITY;
-    const double share = s->share_to_load;
-    s->share_to_load = INFINITY;
-    return share;
 }
 
 /* Solves the step to a breakpoint or the end of s->h seconds. */
@@ -466,9 +423,9 @@ static bool solve_longest(LobattoSystem *s, double rhs, const LobattoStart *from
     for (int n = 0;; n++) { /* at most LOBATTO_HALVINGS + 1 turns */
         out->accurate = false;
         if (solve_to_breakpoint(s, rhs) && s->h > 0.0 && s->h <= longest && is_accepted(s, from, out)) return true;
-        const double share = n < LOBATTO_HALVINGS ? share_left(s, out->accurate) : INFINITY;
-        if (!(share > 0.0 && share < 1.0)) return false;
-        s->h = longest = share * min_of(s->h, longest);
+        /* Where friction varies, a part of the step may be accurate where the whole is not. */
+        if (n == LOBATTO_HALVINGS || !s->slip->friction_varies || out->accurate) return false;
+        s->h = longest = 0.5 * min_of(s->h, longest);
         s->end_speed.given = false;
     }
 }

@@ -3,7 +3,6 @@
 #include <float.h>
 #include <math.h>
 
-#include "collocation/lobatto_loads.h"
 #include "elementary/elementary.h"
 #include "numerics/tolerances.h"
 #include "platform/attributes.h"
@@ -74,7 +73,8 @@ static inline void set_law(LobattoSystem *s) {
     const SlipMode *slip = s->slip;
     s->end_speed.given = false;
     for (int i = 0; i < 2; i++) s->law[i] = &slip->law[i].near[friction_sign_index(slip->direction * slip->flank[i])];
-    s->source = s->law[0]->source;
+    s->has_tables = s->law[0]->has_table || s->law[1]->has_table;
+    s->has_loads = any_friction_depends_on_load(slip->params);
 }
 
 void lobatto_system_begin(LobattoSystem *s, const SlipMode *slip) {
@@ -84,33 +84,50 @@ void lobatto_system_begin(LobattoSystem *s, const SlipMode *slip) {
     if (slip->friction_varies) set_law(s);
 }
 
-NOINLINE static void find_friction_by_tables(const LobattoSystem *s, NodePair *n) {
+/* D. Without a damper the branch saves the wait for z' and a product with zero, which would cost as much as the other
+ * forces of a sweep. */
+static inline Vector2 damper_at(const LobattoSystem *s, Vector2 dz_dtheta, Vector2 omega) {
+    const SlipMode *slip = s->slip;
+    const Vector2 none = {0.0, 0.0}, v = dz_dtheta * omega;
+    return s->has_damper ? v * (slip->c + slip->q * slip->direction * v) : none;
+}
+
+VectorFriction lobatto_friction(const LobattoSystem *s, int i, Vector2 v, Vector2 load2) {
+    const FrictionNearby *law = s->law[i];
+    if (!law->has_table) return friction_by_law(law, v, load2);
+    if (s->patch[i] != NULL) return friction_on_patch(law->sign, s->patch[i], s->piece[i], v, load2);
+    return friction_on_piece(law->sign, s->piece[i], v);
+}
+
+NOINLINE static void find_friction_by_tables(const LobattoSystem *s, const Vector2 load2[2], NodePair *n) {
     for (int i = 0; i < 2; i++) {
-        const Vector2 v = n->omega * n->sliding[i];
-        const FrictionNearby *law = s->law[i];
-        VectorFriction f;
-        if (!law->has_table) f = friction_by_law(law, v);
-        else if (law->has_patches) continue;
-        else f = friction_on_piece(law->sign, s->piece[i], v);
+        const VectorFriction f = lobatto_friction(s, i, n->omega * n->sliding[i], load2[i]);
         n->friction[i] = f.value;
         n->dfriction_domega[i] = f.by_speed * n->sliding[i];
     }
 }
 
-/* Where friction varies: f_i at the speeds of two nodes. */
+/* Where friction varies: f_i at the speeds of two nodes, under their force F. */
 ALWAYS_INLINE static inline void find_friction(const LobattoSystem *s, Vector2 omega, NodePair *n) {
     const double sigma = s->slip->direction;
+    const Vector2 none = {0.0, 0.0};
+    Vector2 force2 = none, load2[2] = {none, none};
     n->omega = omega;
+    if (s->has_loads) {
+        const Vector2 force = n->force + damper_at(s, n->dz_dtheta, omega);
+        force2 = force * force;
+    }
     for (int i = 0; i < 2; i++) {
         const Vector2 length2 = s->law[i]->radius2 + n->slope[i] * n->slope[i];
         const Vector2 sliding = sigma * n->dpsi_dtheta[i] * (Vector2){sqrt(length2[0]), sqrt(length2[1])};
         n->sliding[i] = sliding;
-        if (lobatto_has_tables(s)) continue;
-        const VectorFriction f = friction_by_law(s->law[i], omega * sliding);
+        load2[i] = force2 * (sliding * sliding) * s->law[i]->per_load2;
+        if (s->has_tables) continue;
+        const VectorFriction f = friction_by_law(s->law[i], omega * sliding, load2[i]);
         n->friction[i] = f.value;
         n->dfriction_domega[i] = f.by_speed * sliding;
     }
-    if (lobatto_has_pieces(s)) find_friction_by_tables(s, n);
+    if (s->has_tables) find_friction_by_tables(s, load2, n);
 }
 
 static inline void set_varying_factors(const LobattoSystem *s, int i, NodePair *n) {
@@ -139,29 +156,20 @@ static inline double speeds_moved(const LobattoSystem *s) {
 }
 
 /* All that depends on theta, F_ext and, where friction varies, on the speed. */
-ALWAYS_INLINE static inline void find_factors(LobattoSystem *s, Vector2 theta, Vector2 F_ext, Vector2 omega,
+ALWAYS_INLINE static inline void find_factors(const LobattoSystem *s, Vector2 theta, Vector2 F_ext, Vector2 omega,
                                               bool varies, NodePair *n) {
     const SlipMode *slip = s->slip;
     const SpringParams *spring = &slip->params->spring;
     find_kinematics(slip, theta, n);
+    const Vector2 rate = spring->stiffness + n->z * (spring->stiffness2 + n->z * spring->stiffness3);
+    n->force = spring->preload + n->z * rate + F_ext;
     if (varies) find_friction(s, omega, n);
-    if (varies && slip->friction_is_loaded) lobatto_loads_linearise(s, n);
     for (int i = 0; i < 2; i++) {
         const double r = slip->params->cam[i].radius;
         if (varies) set_varying_factors(s, i, n);
         else vector_contact_factors_set(&n->factors, i, r, slip->signed_friction[i], n->slope[i]);
     }
     vector_contact_factors_multiply(&n->factors);
-    const Vector2 rate = spring->stiffness + n->z * (spring->stiffness2 + n->z * spring->stiffness3);
-    n->force = spring->preload + n->z * rate + F_ext;
-}
-
-/* D. Without a damper the branch saves the wait for z' and a product with zero, which would cost as much as the other
- * forces of a sweep. */
-static inline Vector2 damper_at(const LobattoSystem *s, Vector2 dz_dtheta, Vector2 omega) {
-    const SlipMode *slip = s->slip;
-    const Vector2 none = {0.0, 0.0}, v = dz_dtheta * omega;
-    return s->has_damper ? v * (slip->c + slip->q * slip->direction * v) : none;
 }
 
 /* 1/s: minus the derivative of alpha by the speed through the friction coefficients. */
@@ -184,7 +192,7 @@ static inline Vector2 friction_damping(const LobattoSystem *s, Vector2 torque, V
 }
 
 /* alpha */
-static inline Vector2 inertial_rhs(LobattoSystem *s, Vector2 tau, Vector2 omega, bool varies, bool first, NodePair *n) {
+static inline Vector2 inertial_rhs(const LobattoSystem *s, Vector2 tau, Vector2 omega, bool varies, bool first, NodePair *n) {
     const SlipMode *slip = s->slip;
     const InertiaParams *in = &slip->params->inertia;
     const VectorContactFactors *f = &n->factors;
@@ -202,16 +210,9 @@ static inline Vector2 inertial_rhs(LobattoSystem *s, Vector2 tau, Vector2 omega,
         const Vector2 resistance = slip->c + 2.0 * slip->q * slip->direction * (n->dz_dtheta * omega); /* dD/dv */
         n->damping_rate = (b * f->delta + f->p * n->dz_dtheta * resistance + 2.0 * swirl) / n->mass;
     }
-    const bool loaded = varies && slip->friction_is_loaded;
-    LoadShift shift;
-    if (loaded) {
-        shift = lobatto_load_shift(slip, n);
-        net += f->delta * shift.torque - f->p * shift.axial - f->q * shift.moment;
-    }
-    Vector2 alpha = net / n->mass;
-    if (loaded) alpha = lobatto_loads_find(s, omega, alpha, &shift, n);
+    const Vector2 alpha = net / n->mass;
     if (varies) {
-        if (first && !loaded) n->friction_damping = friction_damping(s, tau - b * omega, omega, alpha, n);
+        if (first) n->friction_damping = friction_damping(s, tau - b * omega, omega, alpha, n);
         n->damping_rate = s->is_resisted ? n->damping_rate + n->friction_damping : n->friction_damping;
     }
     return alpha;
@@ -267,14 +268,12 @@ double lobatto_system_speed_at_end(LobattoSystem *s) {
 }
 
 /* True if at every node the slip mode is possible, if without inertia the motion is stable and the flanks support it,
- * and where friction varies if Delta keeps its sign (see STEP_JAM in step_indicator.h). */
+ * and where friction varies if Delta keeps its sign. */
 static inline bool is_possible(const LobattoSystem *s, bool varies) {
     bool possible = true;
     for (int k = 0; k < LOBATTO_NODES; k++) {
         const NodePair *n = &s->pair[k / 2];
         const double mass = n->mass[k % 2], delta = n->factors.delta[k % 2];
-        if (varies && s->slip->friction_is_loaded) /* then each contact has one answer */
-            possible &= n->factors.rn[0][k % 2] > 0.0 && n->factors.rn[1][k % 2] > 0.0 && delta > 0.0;
         if (varies) possible &= delta * s->pair[0].factors.delta[0] > 0.0;
         possible &= varies || lobatto_system_is_inertial(s) ? mass * delta > 0.0
                                                             : delta > 0.0 && mass >= 0.0 && n->factors.p[k % 2] > 0.0;
@@ -355,7 +354,7 @@ static inline double aim_at_end(LobattoSystem *s, const EndAngle *end) {
 
 /* Corrects h so that the sliding speed of a contact ends at the sample; false if the speed missed the sample before. The
  * groove's part of the acceleration is taken to be constant over the step. */
-COMPACT static bool aim_at_sample(LobattoSystem *s) {
+static bool aim_at_sample(LobattoSystem *s) {
     const EndSpeed *end = &s->end_speed;
     const double omega = s->speed.at[LOBATTO_END], sliding = s->pair[LOBATTO_HALVES - 1].sliding[end->contact][1];
     const double v = omega * sliding, missed = end->speed - v;
@@ -404,7 +403,6 @@ NOINLINE static Parabola guess_parabola(LobattoSystem *s) {
     const double h = s->h, rhs = s->y.at[0];
     const Vector2 c = {0.5, 1.0}, t = h * c;
     NodePair *n = &s->pair[1];
-    s->keeps_slopes = false;
     s->speed.half[1] = s->omega + rhs * t;
     s->dtheta.half[1] = t * (s->omega + 0.5 * rhs * t);
     if (!s->slip->inputs_are_constant) {
@@ -424,7 +422,6 @@ NOINLINE static Parabola guess_parabola(LobattoSystem *s) {
     }
     const Parabola p = parabola_through(rhs, alpha);
     place_on_parabola(s, &p);
-    if (s->slip->friction_is_loaded) lobatto_loads_place(s, n);
     return p;
 }
 
@@ -469,7 +466,6 @@ ALWAYS_INLINE static inline bool solve_with(LobattoSystem *s, const EndAngle *en
         const double slowed = varies && end_speed < speed ? end_speed : speed;
         const double allowed = varies ? LOBATTO_LAST_SHARE / LOBATTO_SWEEP_SHARE * share : share;
         bool converged = (varies || n > 0) && lobatto_largest(lobatto_range(&next)) <= allowed * slowed / per_y;
-        if (varies && slip->friction_is_loaded) converged &= lobatto_loads_error(s) <= share;
         for (int k = 0; k < LOBATTO_HALVES && (varies || !converged); k++) s->y.half[k] += next.half[k];
         place_nodes(s, varies);
         if (end->given) missed = aim_at_end(s, end);

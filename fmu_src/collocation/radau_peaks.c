@@ -29,16 +29,6 @@ static double value_after(const SlipMode *slip, const RadauStep *step, PeakQuant
     return fabs(value_of(radau_step_end(&part), quantity));
 }
 
-/* Where the polynomial is less exact than the peak is to be: |value| at the vertex of the parabola through the ends of
- * three steps. */
-COMPACT static double vertex_near(const SlipMode *slip, const RadauStep *step, PeakQuantity quantity, double x,
-                                  double found) {
-    const double d = min_of(PEAK_SPREAD, 0.5 * min_of(x, 1.0 - x));
-    const double before = value_after(slip, step, quantity, x - d), after = value_after(slip, step, quantity, x + d);
-    const double bend = before - 2.0 * found + after, shift = 0.5 * (before - after) / bend;
-    return bend < 0.0 && fabs(shift) <= 2.0 ? value_after(slip, step, quantity, x + shift * d) : 0.0;
-}
-
 /* The largest |value| in the step. Where the polynomial has its peak inside, a step that ends at the peak is solved:
  * the end of a step is more exact than the polynomial inside. */
 static double peak_of(const SlipMode *slip, const RadauStep *step, PeakQuantity quantity, double known) {
@@ -53,8 +43,7 @@ static double peak_of(const SlipMode *slip, const RadauStep *step, PeakQuantity 
     if (!(size > ends) || x <= 0.0 || x >= 1.0) return ends;
     const double found = value_after(slip, step, quantity, x);
     if (!isfinite(found)) return size;
-    if (!slip->friction_is_loaded || fabs(found - size) <= slip->params->tolerance * size) return max_of(ends, found);
-    return max_of(max_of(ends, found), vertex_near(slip, step, quantity, x, found));
+    return max_of(ends, found);
 }
 
 /* True if alpha keeps its sign throughout, so that |omega| is largest at an end. */

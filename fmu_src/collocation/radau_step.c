@@ -60,7 +60,7 @@ static double stiff_share(double z, int stages) {
 /* The error of the speed at the end of a stiff step, relative to the speed: where damping rules the speed, and where the
  * angle follows the torque, so that the speed is the derivative of the angle's polynomial. Without inertia the speed errs
  * by the slope d omega/d theta times the error of the angle. */
-COMPACT static double stiff_error(const RadauSystem *s, const StepSize *size, double defect, double rounding) {
+static double stiff_error(const RadauSystem *s, const StepSize *size, double defect, double rounding) {
     const int stages = s->method->stages;
     const double h = s->h, z = size->stiffness, w = size->damping, per_speed = 1.0 / (size->speed + DBL_MIN);
     if (s->slip->regime != REGIME_INERTIAL) {
@@ -100,8 +100,7 @@ static double error_of_defect(const RadauSystem *s, const RadauStep *step, doubl
     const double inside = max_of(by_speed, max_of(by_angle - rounding, 0.0) / (size.distance + DBL_MIN));
     const double gained = (inside < 1.0 ? error_at_end(inside, r->stages) : inside) * RADAU_ERROR_SAFETY;
     const double at_end = stiff > 1.0 && !departs ? stiff_error(s, &size, defect, rounding) : 0.0;
-    const double strict = s->slip->friction_is_loaded ? RADAU_LOADED_STRICT : 1.0;
-    return strict * (max_of(gained, at_end) / s->slip->params->tolerance);
+    return max_of(gained, at_end) / s->slip->params->tolerance;
 }
 
 /* Where the defect is rounding, the defect of the speed remains, which a stiff step shows. */
@@ -147,27 +146,6 @@ static EnergyEnds energy_ends_of(const SlipMode *slip, const RadauStep *step) {
     };
 }
 
-/* Where friction depends on the load: the error of the heat at each contact, relative to `size`, J. The energy balance
- * sees only the sum of both heats, and where the inertia rules the motion, the defect of the speed sees neither. Near
- * load zero the power R^(1 + nu) is not smooth, and one contact's heat would be booked at the other. Where the speed is
- * no more than the effect of the rounding of the forces, its share of rounding is that of the power, too. */
-COMPACT static double heat_error(const SlipMode *slip, const RadauStep *step, double size) {
-    const Radau *r = step->method;
-    const RightHandSide *rhs = &step->start.rhs;
-    const double noise = RADAU_FORCE_ROUNDING * max_of(rhs->size, fabs(rhs->value)); /* of y */
-    const double speed = max_of(fabs(step->start.omega), fabs(radau_step_end(step)->omega));
-    const Booking start = balance_power(slip, &step->start);
-    double defect[2] = {-start.heat_cam[0], -start.heat_cam[1]};
-    for (int j = 0; j < r->stages; j++) {
-        const Booking power = balance_power(slip, &step->node[j]);
-        for (int i = 0; i < 2; i++) defect[i] += r->at_start[j] * power.heat_cam[i];
-    }
-    const double inside = step->h * max_of(fabs(defect[0]), fabs(defect[1])) * r->defect_once / size;
-    if (inside * speed <= (slip->regime == REGIME_INERTIAL ? step->h * noise : noise)) return 0.0;
-    const double error = inside < 1.0 ? error_at_end(inside, r->stages) : inside;
-    return RADAU_LOADED_STRICT * RADAU_ERROR_SAFETY * error / slip->params->tolerance;
-}
-
 /* ---- the step ---- */
 
 /* Error: the speeds at the nodes must add up to the distance. The integrals of work and heat miss the same amount. */
@@ -210,8 +188,6 @@ bool radau_step_solve(const SlipMode *slip, const Balance *start, double h, int 
     const EnergyBalance energy = step_energy_balance(slip, &step->booking, &ends);
     step->energy_gained = energy.gained;
     step->energy_error = energy.error;
-    if (slip->friction_is_loaded)
-        step->error = max_of(step->error, heat_error(slip, step, step_energy_size(slip, &step->booking, &ends)));
     return true;
 }
 

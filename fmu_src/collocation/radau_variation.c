@@ -8,8 +8,6 @@
 #include "numerics/tolerances.h"
 #include "platform/attributes.h"
 
-COMPACT_BEGIN
-
 /* The collocation equations, differentiated: the change y_j of alpha (or omega) at node j obeys
  *     y_i = by_theta_i dtheta_i + by_omega_i domega_i + by_known_i
  * where dtheta_i and domega_i follow from y as theta_i and omega_i do. */
@@ -162,4 +160,3 @@ COLD bool radau_step_vary(const SlipMode *slip, const RadauStep *step, Variation
     return slip->regime == REGIME_INERTIAL ? vary(slip, step, v) : vary_in_parts(slip, step, v);
 }
 
-COMPACT_END

@@ -59,7 +59,7 @@ static int first_stages(const SlipMode *slip, const Balance *start, double h, co
 }
 
 /* The share of the step over which friction changes little enough to be seen by the nodes, or after which a sliding
- * speed reaches a sample of a table, or a reaction the load below which friction levels off. */
+ * speed or a nominal load reaches a sample of a table. */
 static double resolved_share(const SlipMode *slip, const RadauStep *step) {
     double share = 1.0;
     for (int j = 0; slip->friction_varies && j < step->method->stages; j++) {
@@ -76,24 +76,13 @@ static bool misses_turn(const SlipMode *slip, const RadauStep *step) {
     return slip->direction * step->dtheta < -angle_tolerance(p) && slip->direction * radau_step_end(step)->omega >= 0.0;
 }
 
-/* An error that a shorter step does not change is rounding, or that of a motion which settles in far less than the step.
- * Then the step has to be as short as the settling. False if the step is as short already. */
-COMPACT static bool resolves_transient(const SlipMode *slip, const Balance *start, double *h) {
-    const double settling = radau_step_time_scale(slip, start);
-    if (!(settling < *h)) return false;
-    *h = settling;
-    return true;
-}
-
 /* The energy balance may miss no more than the last digits of the transmission itself, which no shorter step makes
  * better: a residual that a trial has not halved is accepted. */
 bool step_control_solve(const SlipMode *slip, const Balance *start, double longest, const StepProposal *first,
                         RadauStep *step) {
-    double h = longest, energy_before = INFINITY, error_before = INFINITY;
-    const bool has_samples =
-        slip->friction_varies && (slip->friction_is_loaded || slip->law[0].fall.table || slip->law[1].fall.table);
+    double h = longest, energy_before = INFINITY;
+    const bool has_samples = slip->friction_varies && (slip->law[0].fall.table || slip->law[1].fall.table);
     bool at_sample = false;
-    int level = 0; /* trials in a row whose error a shorter step has not changed */
     int stages = first_stages(slip, start, h, first);
     for (int n = 0; n < STEP_TRIALS && !work_is_spent(slip->work); n++) {
         if (!radau_step_solve(slip, start, h, stages, step) || misses_turn(slip, step)) {
@@ -111,13 +100,6 @@ bool step_control_solve(const SlipMode *slip, const Balance *start, double longe
         const bool stalled = step->energy_error > 0.5 * energy_before;
         step->at_sample = at_sample;
         if (step->error <= 1.0 && (step->energy_error <= 1.0 || stalled)) return true;
-        level = fabs(step->error - error_before) <= STEP_LEVEL * error_before ? level + 1 : 0;
-        if (slip->friction_is_loaded && level >= STEP_LEVEL_TRIALS) {
-            if (!resolves_transient(slip, start, &h)) return false;
-            level = 0;
-            continue;
-        }
-        error_before = step->error;
         energy_before = step->error <= 1.0 ? step->energy_error : INFINITY;
         if (stages < RADAU_MAX) {
             stages += 2;

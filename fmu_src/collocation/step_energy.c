@@ -27,9 +27,3 @@ EnergyBalance step_energy_balance(const SlipMode *slip, const Booking *b, const 
     const double allowed = STEP_ENERGY_SHARE * p->tolerance * (passed + e->kinetic[1]) + DBL_MIN;
     return (EnergyBalance){.gained = gained, .error = max_of(fabs(gained) - rounding, 0.0) / allowed};
 }
-
-COMPACT double step_energy_size(const SlipMode *slip, const Booking *b, const EnergyEnds *e) {
-    const SpringParams *s = &slip->params->spring;
-    const double spring[2] = {spring_energy(s, e->z[0]), spring_energy(s, e->z[1])};
-    return energy_passed(b, spring) + e->kinetic[1] + DBL_MIN;
-}

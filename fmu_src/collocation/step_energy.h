@@ -23,7 +23,4 @@ typedef struct {
 
 EnergyBalance step_energy_balance(const SlipMode *slip, const Booking *booking, const EnergyEnds *ends);
 
-/* J, above 0: work, heat and change of the spring energy in the step, by their sizes, and the kinetic energy at the end. */
-double step_energy_size(const SlipMode *slip, const Booking *booking, const EnergyEnds *ends);
-
 #endif

@@ -9,7 +9,7 @@
 #ifndef DUALCAM_BALANCE_H
 #define DUALCAM_BALANCE_H
 
-#include "contact/loaded_slip.h"
+#include "contact/contact.h"
 #include "contact/slip_mode.h"
 #include "model/elements.h"
 #include "model/known.h"
@@ -23,13 +23,10 @@ typedef struct {
     double by_theta, by_omega; /* its partial derivatives; by_omega only if inertial */
     double by_time;
     double net;        /* N.m, rate-independent only: tau - rho F_0, torque beyond the edge */
-    double resistance; /* inertial: |Delta| times the effective inertia, where friction depends on the load
-                          LoadedMotionResponse.inertia; rate-independent: dE/dtheta, N.m/rad */
-    bool possible; /* Delta != 0 and, if inertial, a positive effective inertia: else friction jams the motion; where
-                          friction depends on the load LoadedMotionResponse.inertia > 0 suffices */
-    bool stable;   /* more torque gives more motion */
-    bool settles;  /* inertial only: between slightly elastic flanks the reactions settle */
-    bool single;   /* inertial only: the reactions are the only ones of this pair of flanks, see loaded_contacts.h */
+    double resistance; /* inertial: |Delta| times the effective inertia; rate-independent: dE/dtheta, N.m/rad */
+    bool possible; /* D/Delta > 0 (docs/mechanism.md, section 3): more torque gives more acceleration, or without inertia
+                      more speed; rate-independent: Delta > 0 */
+    bool stable;   /* rate-independent only: the edge rises along the motion */
 } RightHandSide;
 
 /* The balance and all that enters it. */
@@ -63,18 +60,17 @@ double balance_friction_share(const SlipMode *slip, const Balance *from, const B
 /* The right-hand side alone, as a Newton iteration needs it. */
 RightHandSide balance_rhs(const SlipMode *slip, double theta, double omega, double t);
 
-/* One-sided time derivatives of alpha (or omega) and of the contact loads along the motion, and the sums of the
- * magnitudes of their terms: a value below a few eps of its sum is zero. */
+/* One-sided time derivatives of alpha (or omega) and of the contact loads along the motion. */
 typedef struct {
-    double rhs;                   /* 1/s times the unit of RightHandSide.value */
-    double rhs_size;              /* of RightHandSide.value itself */
-    double net, net_size;         /* N.m: torque beyond the torque that holds the loads, tau - b omega - rho F_0 */
-    double contact[2];            /* N/(m.s), d x_i/dt */
-    double size[2], rate_size[2]; /* of x_i and of d x_i/dt */
+    double rhs;        /* 1/s times the unit of RightHandSide.value */
+    double contact[2]; /* N/(m.s), d x_i/dt */
 } BalanceRates;
 
 /* `balance` is that at time t. */
 void balance_rates(const SlipMode *slip, const Balance *balance, double t, BalanceRates *out);
+
+/* N/m: the sums of the magnitudes of the terms of x_i, which rounds by a few eps of them. */
+void balance_contact_sizes(const SlipMode *slip, const Balance *balance, double size[2]);
 
 /* Partial derivatives, N.m m^3 per unit, of the residual of the equation of motion times Delta,
  *     Delta (tau - b omega) - P (F_0 + D) - [P m z'' + Q I gamma''] omega^2 - [J Delta + P m z' + Q I gamma'] alpha,
@@ -107,11 +103,6 @@ Booking balance_power(const SlipMode *slip, const Balance *balance);
 /* N: the sum of the magnitudes of the terms of the axial load A; `follower_acceleration` z' alpha, m/s^2. */
 static inline double balance_load_size(const Params *p, double force, double damper, double follower_acceleration) {
     return fabs(force) + fabs(damper) + p->inertia.follower_mass * fabs(follower_acceleration);
-}
-
-/* The motion and the forces of a balance at the height z, m. */
-static inline LoadedMotion balance_loaded_motion(const Balance *b, double z) {
-    return (LoadedMotion){z, b->omega, b->alpha, b->force, b->damper, b->F_ext, false, 0.0};
 }
 
 /* Is contact i on its flank by more than rounding? `axial`: x_i per A; `load`: balance_load_size(). */

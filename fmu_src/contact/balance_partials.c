@@ -2,7 +2,6 @@
 
 #include <math.h>
 
-#include "contact/loaded_slip.h"
 #include "contact/residual.h"
 #include "platform/attributes.h"
 
@@ -21,60 +20,35 @@ static double partial_by_friction(const SlipMode *slip, const SlipCoefficients *
     const double radius[2] = {cam[0].radius, cam[1].radius}, slope[2] = {k->slope[0].value, k->slope[1].value};
     double df[2] = {0.0, 0.0};
     df[i] = slip->direction * slip->flank[i];
-    const LoadStep step = {.friction = {df[0], df[1]}};
-    const ContactFactors by = slip->friction_is_loaded ? loaded_slip_change(slip, balance->omega, k, &step)
-                                                       : contact_factors_change(&k->factors, radius, slope, df);
+    const ContactFactors values = dual_contact_factors_values(&k->factors);
+    const ContactFactors by = contact_factors_change(&values, radius, slope, df);
     const MotionTerms terms = terms_of(slip, balance);
     return residual_change(slip, k, &by, &terms);
 }
 
-/* What the friction law of a contact depends on. */
-typedef struct {
-    Jet speed, reaction; /* m/s; N, of one contact */
-} LawArguments;
-
-/* Of contact i, which carries x. */
-COMPACT static LawArguments law_arguments(const SlipMode *slip, const SlipCoefficients *k, double omega, int i,
-                                          double x) {
+/* d mu_i/d known, at constant speed and load. */
+static double friction_by(const SlipMode *slip, const SlipCoefficients *k, const Balance *b, int i, Known known) {
     const CamParams *cam = &slip->params->cam[i];
     const double length = sqrt(cam->radius * cam->radius + k->slope[i].value * k->slope[i].value);
-    const double v =
-        slip->regime == REGIME_RATE_INDEPENDENT ? 0.0 : slip->direction * omega * k->dpsi_dtheta[i].value * length;
-    return (LawArguments){.speed = {.c = {{v, 0.0}}},
-                          .reaction = {.c = {{fabs(x) * length / slip->params->contacts, 0.0}}}};
+    const double sliding = k->dpsi_dtheta[i].value * length;
+    const double load = (b->force + b->damper) * sliding / (slip->params->contacts * cam->radius);
+    const double omega = slip->regime == REGIME_RATE_INDEPENDENT ? 0.0 : b->omega;
+    const Jet v = {.c = {{slip->direction * omega * sliding, 0.0}}}, load2 = {.c = {{load * load, 0.0}}};
+    return friction_along(cam, i, &v, &load2, known).c[0].slope;
 }
 
-/* d mu_i/d known, at constant speed and reaction. */
-COMPACT static double friction_by(const SlipMode *slip, const LawArguments *at, int i, Known known) {
-    return friction_along(&slip->params->cam[i], i, &at->speed, &at->reaction, known).c[0].slope;
-}
-
-/* By the parameters of the friction law of contact i, which carries x; from `by_friction`, the derivative by its
- * coefficient. */
+/* By the parameters of the friction law of contact i; from `by_friction`, the derivative by its coefficient. */
 static void partials_by_law(const SlipMode *slip, const SlipCoefficients *k, const Balance *balance, int i,
-                            double by_friction, double x, Partials *out) {
+                            double by_friction, Partials *out) {
     static const Known FIRST[] = {KNOWN_FRICTION_1, KNOWN_PEAK_1,          KNOWN_STRIBECK_VELOCITY_1,
                                   KNOWN_VISCOUS_1,  KNOWN_LOAD_EXPONENT_1, KNOWN_LOAD_1};
-    const LawArguments at = law_arguments(slip, k, balance->omega, i, x);
     for (size_t n = 0; n < sizeof FIRST / sizeof FIRST[0]; n++) {
         const Known known = (Known)(FIRST[n] + (Known)i);
-        out->by[known] = by_friction * friction_by(slip, &at, i, known);
+        out->by[known] = by_friction * friction_by(slip, k, balance, i, known);
     }
 }
 
-/* x_i under the loads of the balance. */
-static double contact_load(const SlipMode *slip, const SlipCoefficients *k, const Balance *b, int i) {
-    if (slip->friction_is_loaded) return k->loaded.x[i];
-    const InertiaParams *in = &slip->params->inertia;
-    const double omega2 = b->omega * b->omega, sign = i == 0 ? -1.0 : 1.0;
-    const double axial =
-        b->force + b->damper + in->follower_mass * (k->dz_dtheta.value * b->alpha + k->d2z_dtheta2.value * omega2);
-    const double moment = in->follower * (k->dpsi_dtheta[0].value * b->alpha + k->d2gamma_dtheta2.value * omega2);
-    const DualContactFactors *f = &k->factors;
-    return (f->rn[1 - i].value * axial + sign * f->d[1 - i].value * moment) / f->delta.value;
-}
-
-COMPACT double balance_force_by(const SlipMode *slip, Known known, double factor, double z, double v) {
+double balance_force_by(const SlipMode *slip, Known known, double factor, double z, double v) {
     const bool rises = slip->direction > 0;
     switch (known) {
         case KNOWN_F_EXT:
@@ -90,40 +64,35 @@ COMPACT double balance_force_by(const SlipMode *slip, Known known, double factor
     }
 }
 
-COMPACT void balance_partials(const SlipMode *slip, const Balance *balance, Partials *out) {
+void balance_partials(const SlipMode *slip, const Balance *balance, Partials *out) {
     const Params *p = slip->params;
     const double b = p->shaft.damping, omega = balance->omega, torque = balance->tau - b * omega;
     SlipCoefficients storage;
     double z;
-    const SlipCoefficients *k = slip_coefficients_at(slip, balance->theta, omega, &storage, &z);
+    const SlipCoefficients *k = slip_coefficients_at(slip, balance->theta, omega, balance->F_ext, &storage, &z);
     const DualContactFactors *f = &k->factors;
-    const LoadedMotion motion = balance_loaded_motion(balance, z);
-    if (slip->friction_is_loaded) loaded_slip_set_under(slip, &motion, &storage);
     const MotionTerms terms = terms_of(slip, balance);
-    const bool loaded = slip->friction_is_loaded;
-    const double lever = loaded ? loaded_slip_lever(slip, k, &terms) : f->p.value;
     const double v = k->dz_dtheta.value * omega, load = balance->force + balance->damper;
     const double damper_rate = slip_damper_rate(slip, v);
     const double load_slope =
         spring_rate(&p->spring, z) * k->dz_dtheta.value + damper_rate * k->dz_dtheta.slope * omega;
     const Dual by_speed = slip_inertia_by_speed(slip, k), inertia = slip_inertia(slip, k);
+    const double by_load = slip->friction_varies ? residual_change(slip, k, &k->dfactors_dload, &terms) : 0.0;
     double *by = out->by;
     *out = (Partials){.by = {0.0}};
     by[KNOWN_THETA] = f->delta.slope * torque - f->p.slope * load - f->p.value * load_slope -
                       by_speed.slope * (omega * omega) - inertia.slope * balance->alpha;
     by[KNOWN_OMEGA] =
         -f->delta.value * b - f->p.value * damper_rate * k->dz_dtheta.value - 2.0 * by_speed.value * omega;
-    by[KNOWN_ALPHA] = loaded ? -loaded_slip_inertia(slip, k, &terms) : -inertia.value;
+    by[KNOWN_ALPHA] = -inertia.value;
     by[KNOWN_TAU] = f->delta.value;
     for (int known = KNOWN_F_EXT; known < KNOWN_COUNT; known++)
-        by[known] = balance_force_by(slip, (Known)known, -lever, z, v);
+        by[known] = balance_force_by(slip, (Known)known, by_load - f->p.value, z, v);
     for (int i = 0; i < 2; i++) {
         by[KNOWN_FRICTION_1 + i] = partial_by_friction(slip, k, balance, i);
-        const double x = contact_load(slip, k, balance, i);
-        partials_by_law(slip, k, balance, i, by[KNOWN_FRICTION_1 + i], x, out);
+        partials_by_law(slip, k, balance, i, by[KNOWN_FRICTION_1 + i], out);
     }
-    if (!slip->friction_varies) return;
-    by[KNOWN_OMEGA] += residual_change(slip, k, &k->dfactors_domega, &terms);
+    if (slip->friction_varies) by[KNOWN_OMEGA] += residual_change(slip, k, &k->dfactors_domega, &terms);
 }
 
 /* ---- loads of a known motion ---- */
@@ -148,7 +117,7 @@ void balance_set_motion(const SlipMode *slip, double theta, double omega, double
     const Params *p = slip->params;
     const InertiaParams *in = &p->inertia;
     SlipCoefficients storage;
-    const SlipCoefficients *k = slip_coefficients_at(slip, theta, omega, &storage, &b->z);
+    const SlipCoefficients *k = slip_coefficients_at(slip, theta, omega, b->F_ext, &storage, &b->z);
     const DualContactFactors *f = &k->factors;
     b->theta = theta;
     b->omega = omega;
@@ -156,27 +125,20 @@ void balance_set_motion(const SlipMode *slip, double theta, double omega, double
     b->dz_dtheta = k->dz_dtheta.value;
     b->force = spring_force(&p->spring, b->z) + b->F_ext;
     b->damper = slip_damper_force(slip, b->dz_dtheta * omega);
-    const bool loaded = slip->friction_is_loaded;
     const double torque = b->tau - p->shaft.damping * omega - in->shaft * alpha;
-    LoadedMotion motion = balance_loaded_motion(b, b->z);
-    motion.has_torque = true;
-    motion.torque = torque;
-    if (loaded) loaded_slip_set_under(slip, &motion, &storage);
     const double follower_acceleration = b->dz_dtheta * alpha + k->d2z_dtheta2.value * omega * omega;
     const double axial = b->force + b->damper + in->follower_mass * follower_acceleration;
     const double moment = in->follower * (k->dpsi_dtheta[0].value * alpha + k->d2gamma_dtheta2.value * omega * omega);
     solve_loads(f, axial, torque, moment, b->x);
-    const ContactFactors *tangent = &k->loaded.tangent;
     for (int i = 0; i < 2; i++) {
         b->dpsi_dtheta[i] = k->dpsi_dtheta[i].value;
         b->friction[i] = slip_friction(slip, k, i);
-        b->axial[i] = loaded ? tangent->rn[1 - i] / tangent->delta : f->rn[1 - i].value / f->delta.value;
-        if (loaded) b->x[i] = k->loaded.x[i];
+        b->axial[i] = f->rn[1 - i].value / f->delta.value;
         b->length2[i] = p->cam[i].radius * p->cam[i].radius + k->slope[i].value * k->slope[i].value;
     }
 }
 
-COMPACT void balance_response(const SlipMode *slip, const Balance *balance, Partials *out) {
+void balance_response(const SlipMode *slip, const Balance *balance, Partials *out) {
     const Known own = slip->regime == REGIME_INERTIAL ? KNOWN_ALPHA : KNOWN_OMEGA;
     Partials residual;
     balance_partials(slip, balance, &residual);
@@ -185,15 +147,13 @@ COMPACT void balance_response(const SlipMode *slip, const Balance *balance, Part
         if (known != (int)own) out->by[known] = -residual.by[known] / residual.by[own];
 }
 
-COMPACT BalanceChange balance_change_by(const SlipMode *slip, const Balance *b, Known known) {
+BalanceChange balance_change_by(const SlipMode *slip, const Balance *b, Known known) {
     SlipCoefficients storage;
     double z;
-    const SlipCoefficients *k = slip_coefficients_at(slip, b->theta, b->omega, &storage, &z);
+    const SlipCoefficients *k = slip_coefficients_at(slip, b->theta, b->omega, b->F_ext, &storage, &z);
     BalanceChange change = {.axial = balance_force_by(slip, known, 1.0, z, k->dz_dtheta.value * b->omega)};
-    for (int i = 0; i < 2; i++) {
-        const LawArguments at = law_arguments(slip, k, b->omega, i, b->x[i]);
-        change.friction[i] = slip->direction * slip->flank[i] * friction_by(slip, &at, i, known);
-    }
+    for (int i = 0; i < 2; i++)
+        change.friction[i] = slip->direction * slip->flank[i] * friction_by(slip, k, b, i, known);
     return change;
 }
 
@@ -205,14 +165,12 @@ static double acceleration_change(const Balance *b, Dual k, Dual k_rate, const B
 }
 
 /* x_i = (r n A -+ d W)/Delta with n and d of the other contact, see balance.h. */
-COMPACT double balance_contact_change(const SlipMode *slip, const Balance *balance, int i, const BalanceChange *c) {
+double balance_contact_change(const SlipMode *slip, const Balance *balance, int i, const BalanceChange *c) {
     const Params *p = slip->params;
     const double m = p->inertia.follower_mass, I = p->inertia.follower, omega = balance->omega, alpha = balance->alpha;
     SlipCoefficients storage;
     double z;
-    const SlipCoefficients *k = slip_coefficients_at(slip, balance->theta, omega, &storage, &z);
-    const LoadedMotion motion = balance_loaded_motion(balance, z);
-    if (slip->friction_is_loaded) loaded_slip_set_under(slip, &motion, &storage);
+    const SlipCoefficients *k = slip_coefficients_at(slip, balance->theta, omega, balance->F_ext, &storage, &z);
     const DualContactFactors *f = &k->factors;
     const Dual rn = f->rn[1 - i], signed_d = dual_scale(i == 0 ? -1.0 : 1.0, f->d[1 - i]);
     const double follower_acceleration = k->dz_dtheta.value * alpha + k->d2z_dtheta2.value * omega * omega;
@@ -223,19 +181,14 @@ COMPACT double balance_contact_change(const SlipMode *slip, const Balance *balan
                                 damper_rate * (k->dz_dtheta.slope * omega * c->theta + k->dz_dtheta.value * c->omega) +
                                 m * acceleration_change(balance, k->dz_dtheta, k->d2z_dtheta2, c);
     const double moment_change = I * acceleration_change(balance, k->dpsi_dtheta[0], k->d2gamma_dtheta2, c);
-    if (slip->friction_is_loaded) {
-        const LoadStep step = {.theta = c->theta,
-                               .omega = c->omega,
-                               .axial = axial_change,
-                               .moment = moment_change,
-                               .friction = {c->friction[0], c->friction[1]}};
-        return loaded_slip_response(slip, omega, k, &step).x[i];
-    }
     const double radius[2] = {p->cam[0].radius, p->cam[1].radius}, slope[2] = {k->slope[0].value, k->slope[1].value};
     double df[2];
-    for (int j = 0; j < 2; j++)
-        df[j] = c->friction[j] + (slip->friction_varies ? k->dfriction_domega[j] * c->omega : 0.0);
-    const ContactFactors by = contact_factors_change(f, radius, slope, df);
+    for (int j = 0; j < 2; j++) {
+        df[j] = c->friction[j];
+        if (slip->friction_varies) df[j] += k->dfriction_domega[j] * c->omega + k->dfriction_dload[j] * c->axial;
+    }
+    const ContactFactors values = dual_contact_factors_values(f);
+    const ContactFactors by = contact_factors_change(&values, radius, slope, df);
     return contact_load_by_factors(k, &by, i, axial, moment, balance->x[i]) +
            (rn.value * axial_change + signed_d.value * moment_change +
             (rn.slope * axial + signed_d.slope * moment - balance->x[i] * f->delta.slope) * c->theta) /

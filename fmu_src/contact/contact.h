@@ -25,7 +25,7 @@
 /* The linear map from axial load A and moment W to torque and reactions, for one direction and one pair of flanks. */
 typedef struct {
     bool regular;      /* Delta != 0 */
-    bool settles;      /* Delta > 0: the reactions of a possible motion settle */
+    double delta;      /* m^3 */
     double rho;        /* m, T per A */
     double rho_rate;   /* m, dT/dA: rho, unless friction depends on the load */
     double rho_kappa1; /* T per W */
@@ -40,7 +40,7 @@ typedef struct {
     double load_rate, release_rate; /* m, dT/dF_0: the same, unless friction depends on the load */
 } BandFactors;
 
-/* x_i of a contact and its first and second time derivatives, or their sizes. */
+/* x_i of a contact and its first and second time derivatives. */
 typedef struct {
     double value, rate, second;
 } ContactLoad;
@@ -54,11 +54,8 @@ typedef struct {
 
 enum { FLANK_PAIR_COUNT = 4, SLIP_MODE_COUNT = 2 * FLANK_PAIR_COUNT /* directions x pairs of flanks */ };
 
-/* The index of a slip mode plus SLIP_SEARCHES is the same slip mode with SlipMode.searches. */
-enum { SLIP_SEARCHES = SLIP_MODE_COUNT };
-
-/* Pair k of flanks in the order in which a search tries the pairs: (s,s), (s,-s), (-s,s), (-s,-s) with s = `sign`, the
- * sign of the axial load. The supporting flanks come first. */
+/* Pair k of flanks in the order of the rule (docs/mechanism.md, section 3): (s,s), (s,-s), (-s,s), (-s,-s) with s = `sign`,
+ * the sign of the axial load. The supporting flanks come first. */
 static inline void flank_pair(int k, int sign, int flank[2]) {
     flank[0] = k < 2 ? sign : -sign;
     flank[1] = k % 2 == 0 ? sign : -sign;
@@ -69,7 +66,7 @@ static inline int slip_index(int direction, const int flank[2]) {
     return (direction > 0 ? 0 : 4) + (flank[0] > 0 ? 0 : 2) + (flank[1] > 0 ? 0 : 1);
 }
 
-/* direction: +1 loading, -1 releasing; flank[i] = e_i: +1 or -1. */
+/* direction: +1 loading, -1 releasing; flank[i] = e_i: +1 or -1. rho_rate is that under the load of cam_set_load(). */
 Transfer contact_transfer(const Geometry *g, int direction, const int flank[2]);
 
 /* The stick band for F_0 > 0. For F_0 < 0 the same two products are the edges of the other direction. */

@@ -37,6 +37,21 @@ static inline void contact_factors_multiply(ContactFactors *f) {
     f->p = f->rn[0] * f->rn[1];
 }
 
+/* The change of the factors, to first order, if the signed friction coefficients change by `df`. r, a: radii and
+ * slopes. */
+static inline ContactFactors contact_factors_change(const ContactFactors *f, const double r[2], const double a[2],
+                                                    const double df[2]) {
+    ContactFactors change;
+    for (int i = 0; i < 2; i++) {
+        change.rn[i] = r[i] * r[i] * df[i];
+        change.d[i] = -a[i] * df[i];
+    }
+    change.q = change.d[0] * f->rn[1] + f->d[0] * change.rn[1];
+    change.delta = change.q + (change.rn[0] * f->d[1] + f->rn[0] * change.d[1]);
+    change.p = change.rn[0] * f->rn[1] + f->rn[0] * change.rn[1];
+    return change;
+}
+
 /* ---- vectors of two: the factors at two angles ---- */
 
 typedef struct {
@@ -91,19 +106,14 @@ static inline void dual_contact_factors_set_varying(DualContactFactors *factors,
     factors->d[i] = (Dual){r - f.value * a.value, -f.slope * a.value - f.value * a.slope};
 }
 
-/* The change of the factors, to first order, if the signed friction coefficients change by `df`. r, a: radii and
- * slopes. */
-static inline ContactFactors contact_factors_change(const DualContactFactors *f, const double r[2], const double a[2],
-                                                    const double df[2]) {
-    ContactFactors change;
-    for (int i = 0; i < 2; i++) {
-        change.rn[i] = r[i] * r[i] * df[i];
-        change.d[i] = -a[i] * df[i];
-    }
-    change.q = change.d[0] * f->rn[1].value + f->d[0].value * change.rn[1];
-    change.delta = change.q + (change.rn[0] * f->d[1].value + f->rn[0].value * change.d[1]);
-    change.p = change.rn[0] * f->rn[1].value + f->rn[0].value * change.rn[1];
-    return change;
+static inline ContactFactors dual_contact_factors_values(const DualContactFactors *f) {
+    return (ContactFactors){
+        .rn = {f->rn[0].value, f->rn[1].value},
+        .d = {f->d[0].value, f->d[1].value},
+        .delta = f->delta.value,
+        .p = f->p.value,
+        .q = f->q.value,
+    };
 }
 
 /* ---- jets: the factors as Taylor polynomials in time ---- */

@@ -4,7 +4,6 @@
 #include <stddef.h>
 
 #include "contact/contact_factors.h"
-#include "contact/loaded_contacts.h"
 #include "model/friction_law.h"
 #include "numerics/sign.h"
 #include "numerics/tolerances.h"
@@ -25,11 +24,14 @@ ContactStatics contact_statics_at(const Params *params, const TransmissionPiece 
     return statics;
 }
 
-void contact_statics_set_speed(const Params *params, double omega, ContactStatics *statics) {
+void contact_statics_set_motion(const Params *params, double omega, double F, ContactStatics *statics) {
     statics->omega = omega;
     if (!any_friction_varies(params)) return;
     Geometry *g = &statics->geometry;
-    for (int i = 0; i < 2; i++) g->friction[i] = friction_at(&params->cam[i], fabs(omega) * cam_sliding(g, i)).value;
+    for (int i = 0; i < 2; i++) {
+        const double v = fabs(omega) * cam_sliding(g, i), N = cam_nominal_load(g, i, F, params->contacts);
+        g->friction[i] = friction_at(&params->cam[i], v, N).value;
+    }
 }
 
 /* ---- flanks ---- */
@@ -54,38 +56,14 @@ static bool agrees(const Load *load, const ContactForces *forces) {
     return true;
 }
 
-static LoadedPin loaded_pin_of(const ContactStatics *statics, int direction, const int flank[2]) {
-    const Geometry *g = &statics->geometry;
-    const double speed = fabs(statics->omega);
-    return (LoadedPin){
-        .params = statics->params,
-        .direction = direction,
-        .flank = {flank[0], flank[1]},
-        .slope = {g->slope[0], g->slope[1]},
-        .speed = {speed * cam_sliding(g, 0), speed * cam_sliding(g, 1)},
-    };
-}
-
-/* Sets the friction coefficients to those under the load. False if the balance has not one answer. */
-static bool set_loaded_friction(const Load *load, int direction, const int flank[2], ContactStatics *statics) {
-    const LoadedPin pin = loaded_pin_of(statics, direction, flank);
-    const LoadTerms loads = {.axial = load->axial, .moment = load->moment};
-    LoadedContacts contacts;
-    loaded_contacts_under(&pin, &loads, &contacts);
-    for (int i = 0; i < 2; i++) statics->geometry.friction[i] = contacts.mu[i].value;
-    return contacts.possible;
-}
-
 int contact_statics_side(const Load *load) {
     return fabs(load->axial) > REACTION_ROUNDING * load->axial_size ? sign_of(load->axial) : 0;
 }
 
-bool contact_statics_forces(ContactStatics *statics, int direction, const Load *load, ContactForces *forces) {
-    const bool loaded = any_friction_depends_on_load(statics->params);
+bool contact_statics_forces(const ContactStatics *statics, int direction, const Load *load, ContactForces *forces) {
     const int sign = contact_statics_side(load) < 0 ? -1 : 1;
     for (int k = 0; k < FLANK_PAIR_COUNT; k++) {
         flank_pair(k, sign, forces->flank);
-        if (loaded && !set_loaded_friction(load, direction, forces->flank, statics)) continue;
         forces->transfer = contact_transfer(&statics->geometry, direction, forces->flank);
         apply_load(load, forces);
         if (agrees(load, forces)) return true;
@@ -96,31 +74,32 @@ bool contact_statics_forces(ContactStatics *statics, int direction, const Load *
 /* F_0 < 0 mirrors the band: both flanks change, and the edge is the edge of the other direction for F_0 > 0. */
 bool contact_statics_on_edge(ContactStatics *statics, int direction, double F_0, ContactForces *forces) {
     const int side = F_0 < 0.0 ? -1 : 1;
-    if (!contact_edge_under(statics->params, &statics->geometry, fabs(F_0), side * direction, forces->flank,
-                            &forces->transfer, NULL))
-        return false;
+    cam_set_load(statics->params, F_0, &statics->geometry);
+    if (!contact_edge(&statics->geometry, side * direction, forces->flank, &forces->transfer)) return false;
     for (int i = 0; i < 2; i++) forces->flank[i] *= side;
     const Load load = {.axial = F_0};
     apply_load(&load, forces);
     return true;
 }
 
-COMPACT double contact_statics_edge_rise(const ContactStatics *statics, int direction, double F_0,
-                                         const ContactForces *forces) {
+/* d ln(sliding_i)/dtheta, of sliding_i = psi_i' hypot(r_i, a_i). */
+static double log_sliding_rate(const ContactStatics *statics, int i) {
     const Geometry *g = &statics->geometry;
-    double by_theta[2] = {0.0, 0.0};
-    if (any_friction_depends_on_load(statics->params)) {
-        const LoadedPin pin = loaded_pin_of(statics, direction, forces->flank);
-        const LoadTerms loads = {.axial = F_0};
-        LoadedContacts contacts;
-        loaded_contacts_under(&pin, &loads, &contacts);
-        const LoadResponse response = loaded_contacts_along_groove(&pin, &contacts, statics->dslope_dtheta);
-        for (int i = 0; i < 2; i++) by_theta[i] = response.friction[i];
-    }
+    const double d2psi_dtheta2 = i == 0 ? statics->d2gamma_dtheta2 : -statics->d2gamma_dtheta2;
+    const double by_length = g->slope[i] * statics->dslope_dtheta[i] / cam_length2(g, i);
+    return g->dpsi_dtheta[i] > 0.0 ? d2psi_dtheta2 / g->dpsi_dtheta[i] + by_length : 0.0; /* else N_i = 0 */
+}
+
+double contact_statics_edge_rise(const ContactStatics *statics, int direction, double F_0,
+                                 const ContactForces *forces) {
+    const Geometry *g = &statics->geometry;
     DualContactFactors f;
     for (int i = 0; i < 2; i++) {
+        const int sign = direction * forces->flank[i];
+        const double by_load = g->friction_by_log_load[i];
         const Dual slope = {g->slope[i], statics->dslope_dtheta[i]};
-        const Dual friction = {direction * forces->flank[i] * g->friction[i], by_theta[i]};
+        const Dual friction = {sign * g->friction[i],
+                               by_load != 0.0 ? sign * by_load * log_sliding_rate(statics, i) : 0.0};
         dual_contact_factors_set_varying(&f, i, g->radius[i], friction, slope);
     }
     dual_contact_factors_multiply(&f);

@@ -25,8 +25,8 @@ typedef struct {
 /* With the friction coefficients at rest. */
 ContactStatics contact_statics_at(const Params *params, const TransmissionPiece *piece, double theta);
 
-/* Sets the friction coefficients to those at the speed `omega` of cam 2. */
-void contact_statics_set_speed(const Params *params, double omega, ContactStatics *statics);
+/* Sets the friction coefficients to those at the speed `omega` of cam 2 under the axial force F = F_s + F_ext + D. */
+void contact_statics_set_motion(const Params *params, double omega, double F, ContactStatics *statics);
 
 /* Torque and reactions under an axial load and a moment. */
 typedef struct {
@@ -46,11 +46,11 @@ typedef struct {
 int contact_statics_side(const Load *load);
 
 /* Torque and reactions of motion in `direction`, on the first pair of flanks (see flank_pair()) that agrees with its
- * own reactions. Where friction depends on the load, the statics receive the coefficients under these reactions. False
- * if no pair agrees: wedged. */
-bool contact_statics_forces(ContactStatics *statics, int direction, const Load *load, ContactForces *forces);
+ * own reactions. False if no pair agrees: wedged. */
+bool contact_statics_forces(const ContactStatics *statics, int direction, const Load *load, ContactForces *forces);
 
-/* The same at rest on the edge of the stick band, where A = F_0 = F_s + F_ext and W = 0. */
+/* The same at rest on the edge of the stick band, where A = F_0 = F_s + F_ext and W = 0. Where friction depends on the load,
+ * the statics receive the coefficients under F_0. */
 bool contact_statics_on_edge(ContactStatics *statics, int direction, double F_0, ContactForces *forces);
 
 /* Is the reaction of contact i zero, to rounding? Then either flank agrees. */
@@ -64,11 +64,6 @@ double contact_statics_heat(const ContactStatics *statics, const ContactForces *
 
 /* N.m/rad, >= 0: reaction times sliding distance at contact i per angle of cam 2. */
 double contact_statics_sliding(const ContactStatics *statics, const ContactForces *forces, int i);
-
-/* Counts one evaluation of torque and reactions. Where friction depends on the load, the evaluation iterates. */
-static inline void contact_statics_count(Work *work, const Params *params) {
-    work_add(work, any_friction_depends_on_load(params) ? WORK_OF_LOADED_BALANCE : 1);
-}
 
 /* A number from 0 to 3 for each pair of flanks. */
 static inline int flank_branch(const int flank[2]) {

@@ -1,6 +1,7 @@
 #include "contact/slip_mode.h"
 
 #include "elementary/elementary.h"
+#include "model/elements.h"
 #include "platform/attributes.h"
 
 /* gamma' = a_2/(a_1 + a_2) and z' = a_1 gamma', differentiated (section 2 of docs/mechanism.md):
@@ -50,27 +51,54 @@ double slip_coefficients_curved(const SlipMode *slip, double theta, SlipCoeffici
     return point.z;
 }
 
-/* v_i = sigma omega psi_i' hypot(r_i, a_i) */
-void slip_set_friction(const SlipMode *slip, double omega, SlipCoefficients *k) {
+/* F = F_s + F_ext + D and its derivatives by theta and omega. */
+typedef struct {
+    double value, by_theta, by_omega; /* N, N/rad, N.s/rad */
+} AxialForce;
+
+static AxialForce axial_force(const SlipMode *slip, const SlipCoefficients *k, double omega, double z, double F_ext) {
+    const SpringParams *spring = &slip->params->spring;
+    const double v = k->dz_dtheta.value * omega, damping = slip_damper_rate(slip, v);
+    return (AxialForce){
+        .value = spring_force(spring, z) + F_ext + slip_damper_force(slip, v),
+        .by_theta = spring_rate(spring, z) * k->dz_dtheta.value + damping * k->dz_dtheta.slope * omega,
+        .by_omega = damping * k->dz_dtheta.value,
+    };
+}
+
+/* Sliding distance of contact i per angle of cam 2, m: psi_i' hypot(r_i, a_i). The sliding speed v_i is that times
+ * sigma omega, the nominal load N_i is that times |F|/(n r_i) (model/friction_law.h). */
+static Dual sliding_of(const SlipMode *slip, const SlipCoefficients *k, int i) {
+    const double r = slip->params->cam[i].radius, a = k->slope[i].value, length = sqrt(r * r + a * a);
+    return dual_multiply(k->dpsi_dtheta[i], (Dual){length, a * k->slope[i].slope / length});
+}
+
+void slip_set_friction(const SlipMode *slip, double omega, double z, double F_ext, SlipCoefficients *k) {
     const Params *p = slip->params;
-    const double speed = slip->regime == REGIME_RATE_INDEPENDENT ? 0.0 : slip->direction * omega;
+    const double rate = slip->regime == REGIME_RATE_INDEPENDENT ? 0.0 : omega, speed = slip->direction * rate;
+    const AxialForce force = axial_force(slip, k, rate, z, F_ext);
+    const double load = fabs(force.value), side = force.value < 0.0 ? -1.0 : 1.0;
     double radius[2], slope[2];
     for (int i = 0; i < 2; i++) {
-        const double r = p->cam[i].radius, length = sqrt(r * r + k->slope[i].value * k->slope[i].value);
-        const Dual sliding = dual_multiply(
-            k->dpsi_dtheta[i], (Dual){length, k->slope[i].value * k->slope[i].slope / length}); /* per angle */
-        const FrictionCoefficient mu = friction_at(&p->cam[i], speed * sliding.value);
-        const double sign = slip->direction * slip->flank[i], by_speed = sign * mu.by_speed;
-        const Dual f = {sign * mu.value, by_speed * speed * sliding.slope};
+        const double r = p->cam[i].radius, per_sliding = 1.0 / (p->contacts * r), sign = slip->direction * slip->flank[i];
+        const Dual sliding = sliding_of(slip, k, i);
+        const FrictionCoefficient mu =
+            friction_at(&p->cam[i], speed * sliding.value, load * per_sliding * sliding.value);
+        const double by_sliding = sign * (mu.by_speed * speed + mu.by_load * load * per_sliding);
+        const double by_force = sign * mu.by_load * side * per_sliding * sliding.value;
+        const double by_speed = slip->regime == REGIME_RATE_INDEPENDENT ? 0.0 : sign * mu.by_speed * slip->direction;
+        const Dual f = {sign * mu.value, by_sliding * sliding.slope + by_force * force.by_theta};
         radius[i] = r;
         slope[i] = k->slope[i].value;
         k->friction[i] = f.value;
-        k->dfriction_domega[i] =
-            slip->regime == REGIME_RATE_INDEPENDENT ? 0.0 : by_speed * slip->direction * sliding.value;
+        k->dfriction_domega[i] = by_speed * sliding.value + by_force * force.by_omega;
+        k->dfriction_dload[i] = by_force;
         dual_contact_factors_set_varying(&k->factors, i, r, f, k->slope[i]);
     }
     dual_contact_factors_multiply(&k->factors);
-    k->dfactors_domega = contact_factors_change(&k->factors, radius, slope, k->dfriction_domega);
+    const ContactFactors values = dual_contact_factors_values(&k->factors);
+    k->dfactors_domega = contact_factors_change(&values, radius, slope, k->dfriction_domega);
+    k->dfactors_dload = contact_factors_change(&values, radius, slope, k->dfriction_dload);
 }
 
 NOINLINE InputValues input_values_at(const Inputs *in, double t) {
@@ -86,8 +114,7 @@ Regime slip_regime(const Params *p, int direction) {
     if (has_inertia(p)) return REGIME_INERTIAL;
     const DamperParams *d = &p->damper;
     const double damping = direction > 0 ? d->c_load + d->q_load : d->c_release + d->q_release;
-    const bool damped = damping + p->shaft.damping > 0.0 || any_friction_varies(p);
-    return damped ? REGIME_VISCOUS : REGIME_RATE_INDEPENDENT;
+    return damping + p->shaft.damping > 0.0 ? REGIME_VISCOUS : REGIME_RATE_INDEPENDENT;
 }
 
 SlipMode slip_mode_of(const Params *p, const Transmission *transmission, const FrictionConstants *law,
@@ -100,19 +127,16 @@ SlipMode slip_mode_of(const Params *p, const Transmission *transmission, const F
     slip.inputs = inputs;
     slip.work = NULL;
     slip.direction = direction;
-    slip.friction_is_loaded = any_friction_depends_on_load(p);
-    slip.friction_varies = slip.friction_is_loaded || any_friction_varies(p);
+    slip.friction_varies = any_friction_varies(p);
     for (int i = 0; i < 2; i++) {
         slip.flank[i] = flank[i];
-        slip.signed_friction[i] =
-            direction * flank[i] * (slip.friction_varies ? friction_static(&p->cam[i]) : p->cam[i].friction);
+        slip.signed_friction[i] = direction * flank[i] * p->cam[i].friction;
     }
     slip.law = law;
     slip.c = direction > 0 ? d->c_load : d->c_release;
     slip.q = direction > 0 ? d->q_load : d->q_release;
     slip.follower_has_inertia = p->inertia.follower_mass + p->inertia.follower > 0.0;
     slip.inputs_are_constant = inputs_constant(inputs);
-    slip.searches = false;
     slip.to_rounding = false;
     slip.regime = slip_regime(p, direction);
     if (transmission->straight) set_coefficients(&slip, straight_point(slip.piece), &slip.coefficients);

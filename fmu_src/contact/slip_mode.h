@@ -12,7 +12,6 @@
 #include <stdbool.h>
 
 #include "contact/contact_factors.h"
-#include "contact/loaded_contacts.h"
 #include "geometry/transmission.h"
 #include "model/friction_law.h"
 #include "model/inputs.h"
@@ -28,9 +27,10 @@ typedef struct {
     DualContactFactors factors;
     /* Only where friction varies: */
     double friction[2];             /* f_i */
-    double dfriction_domega[2];     /* s/rad */
+    double dfriction_domega[2];     /* s/rad, through the sliding speed and the damper's part of F */
+    double dfriction_dload[2];      /* 1/N, by F */
     ContactFactors dfactors_domega; /* derivatives of the factors by the speed */
-    LoadedContacts loaded;          /* only where friction depends on the load */
+    ContactFactors dfactors_dload;  /* and by F */
 } SlipCoefficients;
 
 typedef struct {
@@ -42,10 +42,8 @@ typedef struct {
     Regime regime;
     int direction;                 /* sigma */
     int flank[2];                  /* e_i */
-    double signed_friction[2];     /* f_i = sigma e_i mu_i, where friction varies that at rest */
+    double signed_friction[2];     /* f_i = sigma e_i mu_i under Coulomb's law */
     bool friction_varies;          /* mu_i depends on the sliding speed or on the load: see slip_set_friction() */
-    bool friction_is_loaded;       /* mu_i depends on the load: loaded_slip.h sets it, not slip_set_friction() */
-    bool searches;                 /* see LoadedPin */
     const FrictionConstants *law;  /* of both contacts; NULL where no step is made */
     double c, q;                   /* N.s/m, N.s^2/m^2: of the damper in this direction */
     bool follower_has_inertia;     /* the follower has mass or inertia */
@@ -65,14 +63,15 @@ SlipMode slip_mode_of(const Params *params, const Transmission *transmission, co
 /* The coefficients at theta in a groove that is not straight, without friction if friction varies; returns z, m. */
 double slip_coefficients_curved(const SlipMode *slip, double theta, SlipCoefficients *out);
 
-/* Where friction varies: sets the friction of the coefficients, and with it their factors, to that at the speed omega.
- * Along the edge of the stick band (rate-independent) friction is that at rest. */
-void slip_set_friction(const SlipMode *slip, double omega, SlipCoefficients *coefficients);
+/* Where friction varies: sets the friction of the coefficients, and with it their factors, to that at the speed omega,
+ * rad/s, the height z, m, and the external force F_ext, N. Along the edge of the stick band (rate-independent) friction is
+ * that at rest. */
+void slip_set_friction(const SlipMode *slip, double omega, double z, double F_ext, SlipCoefficients *coefficients);
 
-/* The coefficients at theta and, where friction varies, at the speed omega; in *storage unless the slip mode holds
- * them; *z is set. Where friction depends on the load, the caller sets it: see loaded_slip.h. */
+/* The coefficients at theta and, where friction varies, at the speed omega under F_ext; in *storage unless the slip mode
+ * holds them; *z is set. */
 static inline const SlipCoefficients *slip_coefficients_at(const SlipMode *slip, double theta, double omega,
-                                                           SlipCoefficients *storage, double *z) {
+                                                           double F_ext, SlipCoefficients *storage, double *z) {
     const TransmissionPiece *piece = slip->piece;
     if (slip->transmission->straight) {
         *z = piece->z[0] + (theta - piece->middle) * piece->scale * piece->z[1];
@@ -81,13 +80,13 @@ static inline const SlipCoefficients *slip_coefficients_at(const SlipMode *slip,
     } else {
         *z = slip_coefficients_curved(slip, theta, storage);
     }
-    if (slip->friction_varies && !slip->friction_is_loaded) slip_set_friction(slip, omega, storage);
+    if (slip->friction_varies) slip_set_friction(slip, omega, *z, F_ext, storage);
     return storage;
 }
 
-/* Counts evaluations of the balance. Where friction depends on the load, each iterates over the reactions. */
+/* Counts evaluations of the balance. */
 static inline void slip_count(const SlipMode *slip, int evaluations) {
-    work_add(slip->work, slip->friction_is_loaded ? WORK_OF_LOADED_BALANCE * evaluations : evaluations);
+    work_add(slip->work, evaluations);
 }
 
 /* f_i */
@@ -133,6 +132,21 @@ static inline double slip_inertia_with(const SlipMode *slip, const SlipCoefficie
     const InertiaParams *i = &slip->params->inertia;
     return i->shaft * f->delta + i->follower_mass * k->dz_dtheta.value * f->p +
            i->follower * k->dpsi_dtheta[0].value * f->q;
+}
+
+/* Without inertia: the derivative of the resisting torque times Delta by omega, b Delta + P z' dD/dv. */
+static inline double slip_viscous_rate(const SlipMode *slip, const SlipCoefficients *k, double omega) {
+    const double dz_dtheta = k->dz_dtheta.value;
+    return slip->params->shaft.damping * k->factors.delta.value +
+           k->factors.p.value * dz_dtheta * slip_damper_rate(slip, dz_dtheta * omega);
+}
+
+/* m: dE/dF_0 of the edge E = rho F_0 of the stick band, which is rho unless friction depends on the load. */
+static inline double slip_edge_rate(const SlipMode *slip, const SlipCoefficients *k, double F_0) {
+    const double rho = k->factors.p.value / k->factors.delta.value;
+    if (!slip->friction_varies) return rho;
+    const ContactFactors *by = &k->dfactors_dload;
+    return rho + F_0 * (by->p - rho * by->delta) / k->factors.delta.value;
 }
 
 /* P m z'' + Q I gamma'', the factor of omega^2. */

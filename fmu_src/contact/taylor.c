@@ -10,7 +10,7 @@ static Dual constant(double value) {
 /* ---- along a given motion ---- */
 
 /* The polynomial p(x) as a polynomial in t, where x = start + rate t: its first coefficients, by Horner's scheme. */
-COMPACT static void expand(const double p[TRANSMISSION_DEGREE + 1], double start, double rate, double out[JET_TERMS]) {
+static void expand(const double p[TRANSMISSION_DEGREE + 1], double start, double rate, double out[JET_TERMS]) {
     for (int k = 0; k < JET_TERMS; k++) out[k] = 0.0;
     for (int n = TRANSMISSION_DEGREE; n >= 0; n--) {
         for (int k = JET_TERMS - 1; k > 0; k--) out[k] = 0.0 + out[k - 1] * rate + out[k] * start;
@@ -18,7 +18,7 @@ COMPACT static void expand(const double p[TRANSMISSION_DEGREE + 1], double start
     }
 }
 
-COMPACT void taylor_expand_grooves(const SlipMode *slip, Taylor *t) {
+void taylor_expand_grooves(const SlipMode *slip, Taylor *t) {
     const TransmissionPiece *piece = slip->piece;
     const double start = (t->theta.c[0].value - piece->middle) * piece->scale;
     for (int i = 0; i < 2; i++) {
@@ -74,25 +74,27 @@ static Jet length_along(const SlipMode *slip, const GroovesAlong *g, int i) {
     return jet_sqrt(&length2);
 }
 
-/* Where friction varies: f_i along the motion, from v_i = sigma omega psi_i' hypot(r_i, a_i), under the load x_i. */
-COMPACT static Jet friction_of(const SlipMode *slip, const GroovesAlong *g, const Jet *x, const Taylor *t, int i) {
-    const Jet length = length_along(slip, g, i);
-    Jet v = {.c = {{0.0, 0.0}}}, R = {.c = {{0.0, 0.0}}}, f = {.c = {{0.0, 0.0}}};
-    if (slip->regime != REGIME_RATE_INDEPENDENT) {
-        const Jet dpsi_dtheta = dpsi_along(g, i), sliding = jet_multiply(&dpsi_dtheta, &length);
-        jet_add_product(&v, slip->direction, &sliding, &t->omega);
-    }
-    jet_add_product(&R, (x->c[0].value < 0.0 ? -1.0 : 1.0) / slip->params->contacts, x, &length);
-    const Jet mu = friction_along(&slip->params->cam[i], i, &v, &R, t->known);
+/* Where friction varies: f_i along the motion, from v_i = sigma omega psi_i' hypot(r_i, a_i) and the nominal load under the
+ * force F (model/friction_law.h). */
+static Jet friction_of(const SlipMode *slip, const GroovesAlong *g, const Jet *force, const Taylor *t, int i) {
+    const Params *p = slip->params;
+    const Jet length = length_along(slip, g, i), dpsi_dtheta = dpsi_along(g, i);
+    const Jet sliding = jet_multiply(&dpsi_dtheta, &length), load = jet_multiply(force, &sliding);
+    const double per_sliding = 1.0 / (p->contacts * p->cam[i].radius);
+    Jet v = {.c = {{0.0, 0.0}}}, load2 = {.c = {{0.0, 0.0}}}, f = {.c = {{0.0, 0.0}}};
+    if (slip->regime != REGIME_RATE_INDEPENDENT) jet_add_product(&v, slip->direction, &sliding, &t->omega);
+    jet_add_product(&load2, per_sliding * per_sliding, &load, &load);
+    const Jet mu = friction_along(&p->cam[i], i, &v, &load2, t->known);
     jet_add_scaled(&f, slip->direction * slip->flank[i], &mu);
     return f;
 }
 
-COMPACT static void factors_along(const SlipMode *slip, const GroovesAlong *g, const Jet x[2], Taylor *t) {
+/* The factors under the force F. */
+static void factors_along(const SlipMode *slip, const GroovesAlong *g, const Jet *force, Taylor *t) {
     for (int i = 0; i < 2; i++) {
         const CamParams *cam = &slip->params->cam[i];
         if (slip->friction_varies || (t->known >= KNOWN_PEAK_1 && t->known <= KNOWN_LOAD_2)) {
-            const Jet f = friction_of(slip, g, &x[i], t, i);
+            const Jet f = friction_of(slip, g, force, t, i);
             jet_contact_factors_set_varying(&t->factors, i, cam->radius, &f, &g->slope[i]);
             continue;
         }
@@ -101,57 +103,6 @@ COMPACT static void factors_along(const SlipMode *slip, const GroovesAlong *g, c
                                 &g->slope[i]);
     }
     jet_contact_factors_multiply(&t->factors);
-}
-
-/* x_i of the balance with the present factors (contact_factors.h). */
-COMPACT static void contact_loads_along(const Taylor *t, Jet x[2]) {
-    for (int i = 0; i < 2; i++) {
-        x[i] = jet_multiply(&t->factors.rn[1 - i], &t->load);
-        jet_add_product(&x[i], i == 0 ? -1.0 : 1.0, &t->factors.d[1 - i], &t->moment);
-        x[i] = jet_divide(&x[i], &t->factors.delta);
-    }
-}
-
-/* Where friction depends on the load: x_i and f_i together. The derivatives of the balance by x_i at the instant itself
- * serve at every order, so that each pass of Newton's method makes one more coefficient exact. */
-COMPACT static void loaded_factors_along(const SlipMode *slip, const GroovesAlong *g, Taylor *t) {
-    const LoadTerms loads = {.axial = t->load.c[0].value, .moment = t->moment.c[0].value};
-    LoadedPin pin = {.params = slip->params, .direction = slip->direction, .flank = {slip->flank[0], slip->flank[1]}};
-    for (int i = 0; i < 2; i++) {
-        const double rate = slip->regime == REGIME_RATE_INDEPENDENT ? 0.0 : slip->direction * t->omega.c[0].value;
-        pin.slope[i] = g->slope[i].c[0].value;
-        pin.speed[i] = rate * dpsi_along(g, i).c[0].value * length_along(slip, g, i).c[0].value;
-    }
-    LoadedContacts now;
-    loaded_contacts_under(&pin, &loads, &now);
-    const ContactFactors *tangent = &now.tangent;
-    Jet x[2] = {{.c = {{now.x[0], 0.0}}}, {.c = {{now.x[1], 0.0}}}};
-    for (int pass = 0; pass < 2 * JET_TERMS; pass++) {
-        factors_along(slip, g, x, t);
-        Jet axial = t->load, moment = t->moment;
-        for (int i = 0; i < 2; i++) {
-            jet_add_product(&axial, -1.0, &t->factors.d[i], &x[i]);
-            jet_add_product(&moment, i == 0 ? 1.0 : -1.0, &t->factors.rn[i], &x[i]);
-        }
-        for (int i = 0; i < 2; i++) {
-            jet_add_scaled(&x[i], tangent->rn[1 - i] / tangent->delta, &axial);
-            jet_add_scaled(&x[i], (i == 0 ? -1.0 : 1.0) * tangent->d[1 - i] / tangent->delta, &moment);
-        }
-    }
-    factors_along(slip, g, x, t);
-}
-
-/* The factors at the loads that have been set. */
-static void set_factors_along(const SlipMode *slip, const GroovesAlong *g, Taylor *t) {
-    Jet x[2] = {{.c = {{1.0, 0.0}}}, {.c = {{1.0, 0.0}}}};
-    if (slip->friction_is_loaded) {
-        loaded_factors_along(slip, g, t);
-        return;
-    }
-    factors_along(slip, g, x, t);
-    if (t->known < KNOWN_LOAD_EXPONENT_1 || t->known > KNOWN_LOAD_2) return;
-    contact_loads_along(t, x); /* the exponent is zero, its derivative needs the loads */
-    factors_along(slip, g, x, t);
 }
 
 /* Kinematics; returns d gamma/dt. */
@@ -167,7 +118,7 @@ static Jet follow_grooves(GroovesAlong *g, Taylor *t) {
     return jet_multiply(&g->dgamma_dtheta, &t->omega);
 }
 
-COMPACT void taylor_balance(const SlipMode *slip, Taylor *t) {
+void taylor_balance(const SlipMode *slip, Taylor *t) {
     const InertiaParams *inertia = &slip->params->inertia;
     GroovesAlong grooves;
     const Jet gamma_rate = follow_grooves(&grooves, t);
@@ -176,17 +127,18 @@ COMPACT void taylor_balance(const SlipMode *slip, Taylor *t) {
     t->moment = (Jet){.c = {{0.0, 0.0}}};
     if (t->stiffness > 0.0) t->tau = jet_line(constant(0.0), constant(t->stiffness), &t->far);
     if (t->stiffness > 0.0) jet_add_scaled(&t->tau, -t->stiffness, &t->theta);
-    Jet torque = t->tau;
+    Jet torque = t->tau, force = t->load;
     if (slip->regime != REGIME_RATE_INDEPENDENT) {
         const Jet damper = damper_along(slip, t), alpha = jet_rate(&t->omega);
         const Jet follower_acceleration = jet_rate(&t->v), gamma_acceleration = jet_rate(&gamma_rate);
         jet_add_scaled(&torque, -slip->params->shaft.damping, &t->omega);
         jet_add_scaled(&torque, -inertia->shaft, &alpha);
+        jet_add_scaled(&force, 1.0, &damper);
         jet_add_scaled(&t->load, 1.0, &damper);
         jet_add_scaled(&t->load, inertia->follower_mass, &follower_acceleration);
         jet_add_scaled(&t->moment, inertia->follower, &gamma_acceleration);
     }
-    set_factors_along(slip, &grooves, t);
+    factors_along(slip, &grooves, &force, t);
     t->residual = jet_multiply(&t->factors.delta, &torque);
     jet_add_product(&t->residual, -1.0, &t->factors.p, &t->load);
     jet_add_product(&t->residual, -1.0, &t->factors.q, &t->moment);
@@ -215,7 +167,7 @@ static void solve(const SlipMode *slip, int k, double by, Taylor *t) {
     }
 }
 
-COMPACT void taylor_follow(const SlipMode *slip, const Balance *balance, int last, Taylor *t) {
+void taylor_follow(const SlipMode *slip, const Balance *balance, int last, Taylor *t) {
     const Regime regime = slip->regime;
     Partials by;
     balance_partials(slip, balance, &by);

@@ -67,7 +67,7 @@ static inline double angle_of(double y, double x, bool back) {
 
 /* The same of any sizes >= 0. An angle below 2^-60 is y/x, which may underflow; an angle so close to pi or pi/2 is that.
  * Other numbers differ by less than 2^60. A power of two brings both between the limits and keeps the angle. */
-COMPACT static double angle_at_limits(double y, double x, bool back) {
+static double angle_at_limits(double y, double x, bool back) {
     if (x == INFINITY && y == INFINITY) x = y = 1.0;
     if (y == 0.0 || x == INFINITY || y < x * 0x1p-60) return back ? PI.hi : y == 0.0 ? 0.0 : y / x;
     if (x == 0.0 || y == INFINITY || x < y * 0x1p-60) return HALF_PI.hi;

@@ -28,7 +28,7 @@ static inline Factors factors_of(double x, int shift) {
 }
 
 /* exp(x) where 2^(k/STEPS) may leave the normal numbers. The last product rounds once more, only below them. */
-COMPACT static double exp_at_limits(double x) {
+static double exp_at_limits(double x) {
     if (x != x) return x;
     if (x > EXP_OVERFLOW) return INFINITY;
     if (x < EXP_UNDERFLOW) return 0.0;

@@ -20,7 +20,7 @@ static double root_of_normal(double x) {
     return (y + y * (r - y) / (2.0 * y + r)) * power_of_two(n);
 }
 
-COMPACT double elementary_cbrt(double x) {
+double elementary_cbrt(double x) {
     const double size = fabs(x);
     if (size == 0.0 || !(size <= DBL_MAX)) return x;
     const double root = size < DBL_MIN ? root_of_normal(size * 0x1p54) * 0x1p-18 : root_of_normal(size);

@@ -22,7 +22,7 @@ enum {
 };
 
 /* 32 bits of a number in limbs of 32 bits, least limb first, from bit `first` upwards; bits outside are 0. */
-COMPACT static uint32_t bits_from(const uint32_t limb[LIMBS], int first) {
+static uint32_t bits_from(const uint32_t limb[LIMBS], int first) {
     uint64_t pair = 0;
     const int index = first >= 0 ? first / 32 : -1, above = first - 32 * index;
     for (int j = 1; j >= 0; j--) {
@@ -33,7 +33,7 @@ COMPACT static uint32_t bits_from(const uint32_t limb[LIMBS], int first) {
 }
 
 /* The fraction of `product` below bit `point` in quadrants, in [-1/2, 1/2]: less 1 where `negative`. */
-COMPACT static DoubleDouble fraction_of(const uint32_t product[LIMBS], int point, bool negative) {
+static DoubleDouble fraction_of(const uint32_t product[LIMBS], int point, bool negative) {
     DoubleDouble sum = {0.0, 0.0};
     double unit = 0x1p-32;
     for (int j = 1; j <= FRACTION_LIMBS; j++, unit *= 0x1p-32) {
@@ -46,7 +46,7 @@ COMPACT static DoubleDouble fraction_of(const uint32_t product[LIMBS], int point
 
 /* The product of x and 2/pi in integers, or NaN for an infinite x; multiples of 4 quadrants are left out before they arise.
  * (M. H. Payne, R. N. Hanek, Radian reduction for trigonometric functions, ACM SIGNUM Newsletter 18, 1983) */
-COMPACT static Reduced reduce_exactly(double x) {
+static Reduced reduce_exactly(double x) {
     if (!(fabs(x) <= DBL_MAX)) return (Reduced){{x - x, 0.0}, 0};
     const uint64_t bits = bits_of(x), fraction = (bits & 0xfffffffffffff) | 0x10000000000000;
     const int exponent = (int)(bits >> 52 & 0x7ff) - 1075; /* |x| = fraction 2^exponent */
@@ -137,7 +137,7 @@ static inline double tan_rest(double h) {
 
 /* tan(r + rest), 0 <= r < TAN_FIRST or r NaN, or -1/tan(r + rest) in odd quadrants. There the quotient q has 26 bits, and
  * with what is left, e = 1 - q t, 1/t = q/(1 - e) = q + e/t. */
-COMPACT static double tan_near_zero(double r, double rest, uint64_t quadrant) {
+static double tan_near_zero(double r, double rest, uint64_t quadrant) {
     const double more = rest + tan_rest(r), sum = r + more;
     if (quadrant % 2 == 0) return sum;
     const double quotient = 1.0 / sum, q = upper_half(quotient), upper = upper_half(sum);

@@ -272,8 +272,6 @@ bool access_set_reals(Instance *instance, const char *function, const ValueRefer
     return true;
 }
 
-COMPACT_BEGIN
-
 /* Only Reals and Integers are tunable. So Booleans and Strings are set before the run begins, without a draft. */
 
 bool access_set_integers(Instance *instance, const char *function, const ValueReference vr[], size_t n,
@@ -318,4 +316,3 @@ bool access_set_texts(Instance *instance, const char *function, const ValueRefer
     return true;
 }
 
-COMPACT_END

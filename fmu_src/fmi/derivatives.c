@@ -5,8 +5,6 @@
 #include "platform/arithmetic.h"
 #include "platform/attributes.h"
 
-COMPACT_BEGIN
-
 /* ---- time derivatives ---- */
 
 static bool is_input_derivative(const Instance *instance, const char *function, ValueReference reference, int32_t order,
@@ -175,4 +173,3 @@ bool derivatives_adjoint(Instance *instance, const char *function, const Jacobia
     return access_are_numbers(instance, function, j->known, j->knowns, product);
 }
 
-COMPACT_END

@@ -11,8 +11,6 @@
 #include "fmi/simulation.h"
 #include "platform/attributes.h"
 
-COMPACT_BEGIN
-
 const char *fmi3GetVersion(void) {
     return fmi3Version;
 }
@@ -283,4 +281,3 @@ fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance instance, size_t *nConti
     return write_count(instance, __func__, nContinuousStates, CONTINUOUS_STATES);
 }
 
-COMPACT_END

@@ -4,8 +4,6 @@
 
 #include "platform/attributes.h"
 
-COMPACT_BEGIN
-
 /* ---- scheduled execution and configuration ---- */
 
 fmi3Instance fmi3InstantiateScheduledExecution(fmi3String instanceName, fmi3String instantiationToken,
@@ -236,4 +234,3 @@ fmi3Status fmi3ActivateModelPartition(fmi3Instance instance, fmi3ValueReference 
         instance_refuse(instance, "%s: there is no scheduled execution: allowed is not to call it", __func__));
 }
 
-COMPACT_END

@@ -5,8 +5,6 @@
 #include "fmi/fmi.h"
 #include "platform/attributes.h"
 
-COMPACT_BEGIN
-
 /* There is one value for each reference, since no variable is an array. */
 static bool is_count(const Instance *instance, const char *function, const char *name, size_t n, size_t expected) {
     if (instance == NULL) return false;
@@ -161,4 +159,3 @@ fmi3Status fmi3GetOutputDerivatives(fmi3Instance instance, const fmi3ValueRefere
         derivatives_get_of_outputs(instance, __func__, phases, valueReferences, nValueReferences, orders, values));
 }
 
-COMPACT_END

@@ -35,7 +35,7 @@ static const uint64_t SERIALIZED_MAGIC = UINT64_C(0x6d61636c6175642e);
 enum { FORMAT = 5 }; /* to be raised when the meaning of the bytes changes and the GUID does not */
 
 /* Equal states must have equal bytes, so the bytes that belong to no member are cleared. A new member does not compile
- * before its padding is dealt with, here or in model_clear_padding(). */
+ * before its padding is dealt with. */
 enum { PARAMS_END = offsetof(Params, friction_table) + sizeof(((Params *)NULL)->friction_table) };
 enum { LAW_END = offsetof(FrictionParams, stribeck_exponent) + sizeof(int) };
 _Static_assert(LAW_END == 5 * sizeof(double) + sizeof(int), "padding in FrictionParams");
@@ -60,7 +60,6 @@ static void clear_padding(Snapshot *snapshot) {
         FrictionParams *law = &snapshot->params.cam[i].law;
         memset((char *)law + LAW_END, 0, sizeof *law - LAW_END); /* the table's address too */
     }
-    model_clear_padding(&snapshot->state);
 }
 
 /* Before the run has begun the state follows from parameters and inputs, whether it has been computed or not. */
@@ -76,7 +75,7 @@ NOINLINE static void snapshot_take(Snapshot *snapshot, const Instance *instance)
 }
 
 /* Copies a path only if one of both paths is not empty: a path is zeros from its end on. */
-COMPACT static void restore_path(const char path[TABLE_PATH_SIZE], char to[TABLE_PATH_SIZE]) {
+static void restore_path(const char path[TABLE_PATH_SIZE], char to[TABLE_PATH_SIZE]) {
     if (path[0] != '\0' || to[0] != '\0') memcpy(to, path, TABLE_PATH_SIZE);
 }
 
@@ -147,8 +146,6 @@ static uint64_t checksum(const void *bytes, size_t size) {
     return hash;
 }
 
-COMPACT_BEGIN
-
 /* Is the value of a parameter or input one that a master may set? Its bytes need not be aligned to anything. */
 static bool is_allowed(const Snapshot *snapshot, const Variable *variable) {
     const char *at = (const char *)&snapshot->params + variable->offset;
@@ -192,8 +189,6 @@ static bool is_snapshot_possible(const Snapshot *snapshot) {
     return are_parameters_allowed(snapshot) && is_run_possible(&snapshot->run) &&
            ((snapshot->run.phase & PHASES_BEFORE_START) != 0 || model_state_is_possible(&snapshot->state));
 }
-
-COMPACT_END
 
 static SerializedSnapshot serialized_of(const Snapshot *snapshot) {
     SerializedSnapshot serialized = {

@@ -110,7 +110,4 @@ bool model_complete_integrator_step(FmuModel *m, double h, Fault *fault);
 /* Could a run have led to this state, as far as modes, directions and the finite numbers among its values go? */
 bool model_state_is_possible(const ModelState *state);
 
-/* Sets the bytes that belong to no member to zero, so that equal states have equal bytes. */
-void model_clear_padding(ModelState *state);
-
 #endif

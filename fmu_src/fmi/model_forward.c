@@ -138,31 +138,27 @@ static bool is_mode(Mode mode) {
     return (int)mode >= MODE_STICK && (int)mode <= MODE_WEDGED;
 }
 
-static bool are_flanks(const int flank[2], int searches) {
-    return abs(flank[0]) <= 1 && abs(flank[1]) <= 1 && (searches == 0 || searches == 1);
+static bool are_flanks(const int flank[2]) {
+    return abs(flank[0]) <= 1 && abs(flank[1]) <= 1;
 }
 
 /* The latest step is computed again for its derivatives; without a step its mode is 0. */
 bool model_state_is_possible(const State *state) {
     const Step *step = &state->step;
-    return is_mode(state->mode) && are_flanks(state->flank, state->searches) &&
-           (is_mode(step->mode) || step->mode == 0) && are_flanks(step->flank, step->searches) &&
+    return is_mode(state->mode) && are_flanks(state->flank) &&
+           (is_mode(step->mode) || step->mode == 0) && are_flanks(step->flank) &&
            isfinite(state->theta.hi) && isfinite(state->omega.hi) && isfinite(step->theta.hi) &&
-           isfinite(step->omega.hi) && step->h >= 0.0 && isfinite(step->h);
+           isfinite(step->omega.hi) && isfinite(state->F_ext_at_start) && step->h >= 0.0 && isfinite(step->h);
 }
 
-/* A new member does not compile before its padding is dealt with here. */
-enum { STEP_GAP = offsetof(Step, retuned) + sizeof(int) };
-_Static_assert(STEP_GAP == 2 * sizeof(Sum) + sizeof(Inputs) + 2 * sizeof(double) + sizeof(Mode) + 4 * sizeof(int),
+/* Equal states have equal bytes: no padding. */
+_Static_assert(sizeof(Step) ==
+                   2 * sizeof(Sum) + sizeof(Inputs) + 2 * sizeof(double) + sizeof(Mode) + 3 * sizeof(int),
                "padding in Step");
 _Static_assert(offsetof(State, ledger) ==
-                   2 * sizeof(Sum) + sizeof(double) + sizeof(int64_t) + sizeof(Mode) + 3 * sizeof(int),
+                   2 * sizeof(Sum) + 2 * sizeof(double) + sizeof(int64_t) + sizeof(Mode) + 3 * sizeof(int),
                "padding in State");
 _Static_assert(sizeof(Tunables) == 16 * sizeof(double) + sizeof(SpringParams) + sizeof(DamperParams),
                "padding in Tunables");
 _Static_assert(sizeof(State) == offsetof(State, ledger) + sizeof(Ledger) + sizeof(Step) + sizeof(Tunables),
                "padding in State");
-
-void model_clear_padding(State *state) {
-    memset((char *)&state->step + STEP_GAP, 0, sizeof(Step) - STEP_GAP);
-}

@@ -130,14 +130,10 @@ bool model_complete_integrator_step(FmuModel *m, double h, Fault *fault) {
 
 /* A new member does not compile before its padding is dealt with here. */
 _Static_assert(sizeof(InverseState) ==
-                   3 * sizeof(double) + sizeof(int64_t) + sizeof(Mode) + sizeof(int32_t) + sizeof(Ledger),
+                   4 * sizeof(double) + 2 * sizeof(int64_t) + sizeof(Mode) + sizeof(int32_t) + sizeof(Ledger),
                "padding in InverseState");
 
 bool model_state_is_possible(const InverseState *state) {
     return (int)state->mode >= MODE_STICK && (int)state->mode <= MODE_WEDGED && abs(state->direction) == 1 &&
-           isfinite(state->theta) && isfinite(state->omega) && isfinite(state->cam);
-}
-
-void model_clear_padding(InverseState *state) {
-    (void)state; /* no padding */
+           isfinite(state->theta) && isfinite(state->omega) && isfinite(state->cam) && isfinite(state->F_ext_at_start);
 }

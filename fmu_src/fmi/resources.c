@@ -7,8 +7,6 @@
 #include "platform/attributes.h"
 #include "platform/platform.h"
 
-COMPACT_BEGIN
-
 /* Locale-free, unlike <ctype.h>. */
 static char lower(char c) {
     return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c;
@@ -97,4 +95,3 @@ bool resources_from_path(const char *path, char **directory) {
     return true;
 }
 
-COMPACT_END

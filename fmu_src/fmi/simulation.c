@@ -121,7 +121,7 @@ static bool is_sampled(const Instance *instance, unsigned reference) {
 }
 
 /* Sets the derivatives of the sampled inputs from the master's values at the thirds of the step. */
-COMPACT static bool sample_inputs(const WatchedStep *step, double t, double h, Fault *fault) {
+static bool sample_inputs(const WatchedStep *step, double t, double h, Fault *fault) {
     Instance *instance = step->instance;
     const double third = h / 3.0;
     double u[INPUTS_MAX][INPUT_ORDER + 1];

@@ -16,8 +16,6 @@ static inline LinearSegment segment_from_here(const Mechanism *m, const LinearSl
         .work = m->work,
         .to_stop = angle_to_stop(m, linear->direction),
         .flanks = has_friction(&m->params),
-        .edge = {min_of(m->configuration.band.load, LINEAR_STEEPEST_EDGE),
-                 max_of(m->configuration.band.release, -LINEAR_STEEPEST_EDGE)},
     };
 }
 
@@ -54,7 +52,7 @@ static inline bool propose(const Mechanism *m, const LinearSegment *s, const Seg
 
 bool closed_form_slip_quiet(Mechanism *m, double h, Segment *segment) {
     if (!is_slip(m->state.mode)) return false;
-    const int index = present_pair_index(m);
+    const int index = present_slip_index(m);
     const LinearSlipMode *linear = kept_linear_slip(m, index);
     if (linear->regime != REGIME_INERTIAL || !(linear->direction * m->state.omega.hi > 0.0)) return false;
     const LinearSegment s = segment_from_here(m, linear);
@@ -65,8 +63,13 @@ bool closed_form_slip_quiet(Mechanism *m, double h, Segment *segment) {
     return linear_segment_is_quiet(&s, &ends) && propose(m, &s, &ends, kernel, segment);
 }
 
+/* Does reaction i pass zero where that of `contact` does? Without a moment W both are in proportion to the axial load. */
+static bool crosses(const Mechanism *m, int contact, int i) {
+    return i == contact || m->params.inertia.follower == 0.0;
+}
+
 bool closed_form_slip_propose(Mechanism *m, double left, Segment *segment) {
-    const int index = present_pair_index(m);
+    const int index = present_slip_index(m);
     const LinearSlipMode *linear = kept_linear_slip(m, index);
     const LinearSegment s = segment_from_here(m, linear);
     const LinearEvent last = linear_event_horizon(&s, min_of(left, linear->oscillator.horizon));
@@ -75,9 +78,10 @@ bool closed_form_slip_propose(Mechanism *m, double left, Segment *segment) {
     SegmentEnds ends;
     linear_segment_ends(&s, &kernel, &ends);
     const bool quiet = last.kind == EVENT_NONE && linear_segment_is_quiet(&s, &ends);
-    const EventKind end = quiet ? EVENT_NONE : linear_event_first(&s, last, &kernel, &ends).kind;
+    const LinearEvent end = quiet ? (LinearEvent){.kind = EVENT_NONE} : linear_event_first(&s, last, &kernel, &ends);
     if (!propose(m, &s, &ends, &kernel, segment)) return false;
-    segment->end = end;
+    segment->end = end.kind;
+    for (int i = 0; end.kind == EVENT_FLANK && i < 2; i++) segment->crossed[i] = crosses(m, end.contact, i);
     segment->duration = kernel.t;
     return true;
 }

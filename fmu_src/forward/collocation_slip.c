@@ -8,12 +8,10 @@
 #include "collocation/radau_step.h"
 #include "elementary/elementary.h"
 #include "forward/candidate.h"
-#include "forward/impact.h"
 #include "forward/jump.h"
 #include "forward/rest.h"
 #include "forward/stick.h"
 #include "numerics/sign.h"
-#include "platform/attributes.h"
 
 /* Does the mechanism move, in the direction of its mode? */
 static bool slips_on(const Mechanism *m) {
@@ -42,60 +40,18 @@ static double speed_at_end(const Mechanism *m, const SlipMode *slip, double thet
     return balance_rhs(&here, theta, 0.0, t).value;
 }
 
-/* At a change of flanks, of a follower without inertia of rotation: the sign of the axial load A just after. There
- * x_i = (dx_i/dA) A, so both reactions pass zero, for every pair of flanks. Zero where one of them does not. A fast damping
- * hides the rates of x_i in rounding, but a contact that has left its flank tells the sign of A. */
-COMPACT static int load_after(const SlipMode *slip, const Balance *end) {
-    if (slip->regime != REGIME_INERTIAL || slip->params->inertia.follower != 0.0) return 0;
-    if (balance_firm_contacts(slip, end) != 0) return 0;
-    const int load = -slip->flank[0] * sign_of(end->axial[0]);
-    return load == -slip->flank[1] * sign_of(end->axial[1]) ? load : 0;
-}
-
-/* At a change of flanks under friction that depends on the load: the sign of x_i just after, of a contact that has left its
- * flank. Its rate can be rounding for the decision, whose rounding is coarser than that of the location. */
-COMPACT static void note_crossing(const SlipMode *slip, const Balance *end, Segment *segment) {
-    for (int i = 0; slip->friction_is_loaded && i < 2; i++)
-        if (slip->flank[i] * end->x[i] <= 0.0) segment->crossed[i] = -slip->flank[i];
-}
-
-/* Do both contacts bear on their flanks (side 1), or press off these (side -1), by more than rounding? */
-COMPACT static bool is_on_side(const SlipMode *slip, const Balance *b, int side) {
-    const double load = balance_load_size(slip->params, b->force, b->damper, b->dz_dtheta * b->alpha);
-    bool on_side = true;
-    for (int i = 0; i < 2; i++)
-        on_side &= side * slip->flank[i] * b->x[i] > REACTION_ZERO_SHARE * fabs(b->axial[i]) * load;
-    return on_side;
-}
-
-/* In a motion that a fast damping rules, a decision can count reactions as zero for a long time. Contacts that bear no
- * load at the start, or less than none, and leave their flanks along the step, have left these at the start: a cut, or
- * rounding, lay behind the change. */
-COMPACT static bool has_left_flanks(const SlipMode *slip, const RadauStep *step) {
-    const Balance *start = &step->start;
-    bool left = step->h * start->rhs.by_omega < -LOCATION_STIFF && is_on_side(slip, radau_step_end(step), -1);
-    for (int i = 0; i < 2; i++) left &= slip->flank[i] * start->x[i] <= 0.0;
-    for (int j = 0; left && j < step->method->stages; j++) left = !is_on_side(slip, &step->node[j], 1);
-    return left;
-}
-
 /* The segment along a Radau step to its end, with `left` seconds left. False if a value is not finite. A segment below the
- * rounding of the time has the reactions of the next one, or those of contacts that let go, which are quotients of two
- * zeros: it raises no peak. */
+ * rounding of the time raises no peak: it has the reactions of the next one. */
 static bool radau_segment(Mechanism *m, const SlipMode *slip, double left, EventLocation *location, Segment *segment) {
     const RadauStep *step = &location->step;
-    const Balance *end = radau_step_end(step);
-    if (!booking_is_in_range(&step->booking, step->dtheta + end->omega)) return false;
+    if (!booking_is_in_range(&step->booking, step->dtheta + radau_step_end(step)->omega)) return false;
     segment_begin(m, SEGMENT_RADAU, segment);
     segment->books = true;
     segment->booking = step->booking;
     segment->energy_gained = step->energy_gained;
     if (m->params.ledger && step->h > DBL_EPSILON * left) raise_radau_peaks(m, slip, step, segment);
     segment->end = location->kind;
-    if (location->kind == EVENT_FLANK) {
-        segment->load_ahead = load_after(slip, end);
-        if (location->leaves_flank) note_crossing(slip, end, segment);
-    }
+    for (int i = 0; location->kind == EVENT_FLANK && i < 2; i++) segment->crossed[i] = location->crossed[i];
     segment->duration = step->h;
     segment->dtheta = step->dtheta;
     segment->varies = true;
@@ -108,15 +64,6 @@ static bool radau_segment(Mechanism *m, const SlipMode *slip, double left, Event
     return true;
 }
 
-/* The rounding, N.m, of the torque beyond the edge of the band at rest: of the torques, of the comparison with the edge,
- * and of theta, which a flank counts as zero as well (candidate.c). `lever`: m, torque per load. */
-static double torque_rounding(const Mechanism *m, const Balance *b, double lever) {
-    const double terms = fabs(b->tau) + fabs(lever) * (fabs(b->force - b->F_ext) + fabs(b->F_ext));
-    const double by_angle = fabs(lever * spring_rate(&m->params.spring, b->z) * b->dz_dtheta);
-    return max_of(BREAKAWAY_ROUNDING * terms, stick_tie(m) * stick_torque_size(m, lever)) +
-           CANDIDATE_ANGLE_ROUNDING * REACTION_ZERO_SHARE * largest_angle(&m->params) * by_angle;
-}
-
 /* At breakaway under inputs that are polynomials the torque is on the edge of the band, or short of the edge by
  * rounding, and its excess grows like its first time derivative that is not zero. Until the excess exceeds the rounding
  * of the torques, the motion is rest to all digits, and no step can resolve the motion. Returns the duration of this
@@ -126,9 +73,8 @@ static double unseen_time(const Mechanism *m, const SlipMode *slip, const Balanc
     Partials by;
     balance_partials(slip, start, &by);
     const double lever = by.by[KNOWN_F_EXT] / by.by[KNOWN_TAU]; /* minus the torque per load that holds the load */
-    const double side = start->rhs.stable ? slip->direction : -slip->direction;
-    const double excess = side * (start->tau + lever * start->force);
-    const double rounding = torque_rounding(m, start, lever);
+    const double excess = slip->direction * (start->tau + lever * start->force);
+    const double rounding = BREAKAWAY_TIES * stick_tie(m) * stick_torque_size(m, lever);
     if (!(excess <= rounding)) return 0.0;
     const double missing = rounding + max_of(-excess, 0.0);
     const Inputs *in = slip->inputs;
@@ -142,44 +88,32 @@ static double unseen_time(const Mechanism *m, const SlipMode *slip, const Balanc
 }
 
 /* Slip along `slip` for up to `left` seconds, to the first event; along the band's edge also jumps past its folds. */
-static bool propose_along(Mechanism *m, const SlipMode *slip, const Balance *start, double left,
-                          EventLocation *location, Segment *segment) {
+static SlipProposal propose_along(Mechanism *m, const SlipMode *slip, const Balance *start, double left,
+                                  EventLocation *location, Segment *segment) {
     const StopAhead stop = {angle_to_stop(m, slip->direction), m->state.energy_gained};
     if (stop.angle <= 0.0) {
         segment_begin(m, SEGMENT_AT_EVENT, segment);
         segment->omega_is_increment = true; /* the impact needs the speed */
         segment->end = EVENT_STOP;
-        return true;
-    }
-    if (runs_into_jam(m, slip, start)) {
-        jam_propose(m, segment);
-        return true;
+        return SLIP_PROPOSED;
     }
     const bool found = event_location_find(slip, start, &stop, left, &m->cache.proposal, location);
     if (slip->regime == REGIME_RATE_INDEPENDENT && (!found || jump_is_at_fold(slip, location, left))) {
         const JumpProposal jump = jump_past_fold(m, slip, start, left, segment);
-        if (jump != JUMP_NONE) return jump == JUMP_PROPOSED;
+        if (jump != JUMP_NONE) return jump == JUMP_PROPOSED ? SLIP_PROPOSED : SLIP_NOT_FINITE;
         if (!found) {
             rest_propose(m, left, segment);
-            return true;
+            return SLIP_PROPOSED;
         }
     }
-    const int load = m->load_ahead == 0 ? load_after(slip, start) : 0;
-    if (found && load != 0 && has_left_flanks(slip, &location->step)) {
-        segment_begin(m, SEGMENT_AT_EVENT, segment);
-        segment->omega_is_increment = true;
-        segment->end = EVENT_FLANK;
-        segment->load_ahead = load;
-        return true;
-    }
-    if (found) return radau_segment(m, slip, left, location, segment);
+    if (found) return radau_segment(m, slip, left, location, segment) ? SLIP_PROPOSED : SLIP_NOT_FINITE;
     const double unseen = unseen_time(m, slip, start, left);
-    if (unseen > 0.0) rest_propose_for(m, min_of(left, unseen), segment);
-    else jam_propose(m, segment);
-    return true;
+    if (!(unseen > 0.0)) return SLIP_LOST;
+    rest_propose_for(m, min_of(left, unseen), segment);
+    return SLIP_PROPOSED;
 }
 
-bool collocation_slip_propose(Mechanism *m, double left, EventLocation *location, Segment *segment) {
+SlipProposal collocation_slip_propose(Mechanism *m, double left, EventLocation *location, Segment *segment) {
     const SlipMode slip = slip_mode_from_here(m, present_slip_index(m));
     const Balance start = balance_from_here(m, &slip);
     return propose_along(m, &slip, &start, left, location, segment);
@@ -261,7 +195,7 @@ static bool goes_on(const Mechanism *m, const SlipMode *slip, const Balance *sta
     if (!start->rhs.possible || !(slip->direction * start->omega > 0.0)) return false;
     if (has_friction(&m->params) && balance_firm_contacts(slip, start) != FIRM_BOTH) return false;
     if (slip->regime == REGIME_INERTIAL) return true;
-    return slip->regime == REGIME_VISCOUS && start->rhs.stable && is_driven(m, slip);
+    return slip->regime == REGIME_VISCOUS && is_driven(m, slip);
 }
 
 SlipProposal collocation_slip_continue(Mechanism *m, double left, const LobattoHint *hint, EventLocation *location,
@@ -275,5 +209,5 @@ SlipProposal collocation_slip_continue(Mechanism *m, double left, const LobattoH
     const Balance start = balance_from_here(m, &slip);
     if (!goes_on(m, &slip, &start)) return SLIP_UNDECIDED;
     if (!latest.accurate && proposal->stages <= RADAU_MIN) proposal->stages = RADAU_MIN + 2;
-    return propose_along(m, &slip, &start, left, location, segment) ? SLIP_PROPOSED : SLIP_NOT_FINITE;
+    return propose_along(m, &slip, &start, left, location, segment);
 }

@@ -9,6 +9,7 @@
 typedef enum {
     SLIP_PROPOSED,   /* *segment is the proposal */
     SLIP_UNDECIDED,  /* the mode must be decided first */
+    SLIP_LOST,       /* no step goes on: D of the pair falls to zero (docs/mechanism.md, section 3) */
     SLIP_NOT_FINITE, /* a value is not finite */
 } SlipProposal;
 
@@ -27,8 +28,7 @@ bool collocation_slip_quiet(const Mechanism *m, double h, LobattoHint *hint, Seg
 SlipProposal collocation_slip_continue(Mechanism *m, double left, const LobattoHint *hint, EventLocation *location,
                                        Segment *segment);
 
-/* Proposes slip for up to `left` seconds, to the first event. *location holds the collocation step. False if a value
- * is not finite. */
-bool collocation_slip_propose(Mechanism *m, double left, EventLocation *location, Segment *segment);
+/* Proposes slip for up to `left` seconds, to the first event. *location holds the collocation step. */
+SlipProposal collocation_slip_propose(Mechanism *m, double left, EventLocation *location, Segment *segment);
 
 #endif

@@ -1,5 +1,10 @@
-/* The decision of the mode: the friction inclusion of docs/mechanism.md, section 3, decided by the torque and
- * never by a small velocity. */
+/* The decision of the mode: the friction inclusion of docs/mechanism.md, section 3, decided by the torque and never by a
+ * small velocity.
+ *
+ * A pair of flanks carries a motion if more torque means more of it (D/Delta > 0) and each reaction presses on its flank. In
+ * a mechanism of the unique class one pair carries at most, but for reactions that are zero, whose flank does not matter. In
+ * a self-locking mechanism this order is the rule: the present pair, the pair that supports the axial load, its neighbours,
+ * the opposite pair. Where none carries, the contacts wedge. */
 #ifndef DUALCAM_DECIDE_H
 #define DUALCAM_DECIDE_H
 
@@ -11,30 +16,17 @@ typedef struct {
     int slip_index; /* see slip_index(); -1 in the modes of rest */
 } Decision;
 
-/* The mode at this instant: the decision for state and present inputs. In model exchange modes change at events only,
- * and the mode is the present one. */
+/* The mode that belongs to the state and the present inputs. In model exchange modes change at events only, and the mode is
+ * the present one. */
 Decision decision_of(const Mechanism *m);
 
 /* Decides the mode and enters it: a mode that differs from the present one counts as an event. Coefficients of the
- * closed form that the decision had to build are kept in the model. False, and the mode stays, where rest balances the torque
- * and the present motion does, too: only an inertia decides. */
-bool enter_decided_mode(Mechanism *m);
+ * closed form that the decision had to build are kept in the model. */
+void enter_decided_mode(Mechanism *m);
 
-/* The slip mode in `direction` (+1, -1) whose flanks agree with their own reactions: its index, or -1 if there is
- * none. Several slip modes can agree where a contact locks; then the pair of supporting flanks comes first
- * (docs/mechanism.md, section 3), except where the load of a moving contact passes zero (decide.c). The mechanism moves
- * in that direction, or is about to. */
-int slip_mode_of_moving(Mechanism *m, int direction);
-
-/* Contacts that held the speed at the limit of a jam let go (collocation/step_indicator.h): they take the flanks that
- * support the coming axial load, if these agree with their reactions. */
-void let_go(Mechanism *m, int direction);
-
-/* The present flanks have lost their motion, although a decision finds them possible. Where friction depends on the load, the
- * present pair searches if the reactions of the motion go on: Newton's method has lost them. Else the first other pair is taken
- * that agrees and has a motion, and where there is none, the answers are searched, of the present pair first. False if there
- * is none. */
-bool leave_lost_flanks(Mechanism *m);
+/* The slip mode in `direction` of a mechanism that moves, or is about to, after an impact: its index, or -1 if the contacts
+ * wedge. */
+int slip_after_impact(Mechanism *m, int direction);
 
 /* Does rate-independent slip begin with a jump? True unless the torque is on the edge of the stick band already. */
 bool begins_with_jump(const Candidate *candidate, int direction);

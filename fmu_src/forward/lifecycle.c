@@ -23,6 +23,7 @@ enum { USE_CLOSED_FORM = 1 };
 void forget_cache(Cache *cache) {
     cache->rest.valid = false;
     cache->proposal = (StepProposal){INFINITY, 0};
+    cache->is_decided = false;
     for (int i = 0; i < SLIP_MODE_COUNT; i++) cache->kernel[i].t = NAN;
 }
 
@@ -31,8 +32,8 @@ static void build_model(Mechanism *m) {
     const Transmission *transmission = &m->model.transmission;
     m->model.friction_is_loaded = any_friction_depends_on_load(&m->params);
     m->model.closed_form = USE_CLOSED_FORM && transmission->straight && is_linear(&m->params) &&
-                           !any_friction_varies(&m->params) && !m->model.friction_is_loaded;
-    if (m->model.friction_is_loaded || any_friction_varies(&m->params))
+                           !any_friction_varies(&m->params);
+    if (any_friction_varies(&m->params))
         for (int i = 0; i < 2; i++) friction_prepare(&m->params, i, &m->model.law[i]);
     if (transmission->straight) {
         const double slope[2] = {transmission->piece->slope[0][0], transmission->piece->slope[0][1]};
@@ -45,17 +46,22 @@ static void build_model(Mechanism *m) {
 }
 
 static bool check_mechanism(const Params *p, Fault *fault) {
-    static const char inertia[] = "inertia.shaft, inertia.follower_mass or inertia.follower > 0";
-    return check_params(p, fault) &&
-           (has_inertia(p) || (check_falling_friction(p, "without inertia", inertia, fault) &&
-                               check_loaded_friction(p, inertia, fault) && check_limited_speed(p, inertia, fault)));
+    static const char inertia[] = "inertia.shaft > 0 (1e-6 kg.m2 will do)";
+    return check_params(p, fault) && (has_inertia(p) || (check_speed_friction(p, "without inertia", inertia, fault) &&
+                                                         check_damped_load(p, inertia, fault)));
+}
+
+/* In the domain of docs/mechanism.md, section 3? */
+static bool check_domain(const Params *p, const Transmission *transmission, double F_ext, Fault *fault) {
+    return domain_check_loading(p, transmission, F_ext, fault) && domain_check_motion(p, transmission, F_ext, fault);
 }
 
 bool mechanism_rebuild(Mechanism *m, Fault *fault) {
     FrictionTables tables;
     if (!friction_tables_load(&m->params, &m->model.friction, m->resources, &tables, fault)) return false;
     const bool good = check_mechanism(&m->params, fault) &&
-                      check_transmission(&m->params, m->resources, &m->model.transmission, fault);
+                      check_transmission(&m->params, m->resources, m->state.F_ext_at_start, check_domain,
+                                         &m->model.transmission, fault);
     friction_tables_settle(&m->params, &m->model.friction, &tables, good);
     if (good) build_model(m);
     return good;
@@ -81,17 +87,21 @@ COLD static bool check_energy(const Mechanism *m, Fault *fault) {
 
 bool mechanism_start(Mechanism *m, Fault *fault) {
     const Params *p = &m->params;
-    if (!check_params(p, fault) || !check_initial(p, fault) || !mechanism_rebuild(m, fault)) return false;
+    if (!check_params(p, fault) || !check_initial(p, fault)) return false;
+    m->state.F_ext_at_start = m->inputs.F_ext[0];
+    if (!mechanism_rebuild(m, fault)) return false;
     m->state = (State){
         .theta = sum_of(m->params.initial.theta),
         .omega = sum_of(has_inertia(&m->params) ? m->params.initial.omega : 0.0),
         .mode = MODE_STICK,
         .flank = {1, 1},
+        .F_ext_at_start = m->inputs.F_ext[0],
+        .friction_class = (int)domain_class(p, &m->model.transmission, m->inputs.F_ext[0]),
     };
     update_configuration(m);
     if (!check_energy(m, fault)) return false;
     ledger_open(&m->state.ledger, stored_energy(m));
-    (void)enter_decided_mode(m); /* at rest there is no motion to keep */
+    enter_decided_mode(m);
     m->state.events = 0;
     return true;
 }
@@ -140,12 +150,14 @@ static void remember_tunables(Mechanism *m, const Params *next) {
 }
 
 bool mechanism_retune(Mechanism *m, const Params *params, Fault *fault) {
-    if (!check_mechanism(params, fault) || !check_jam(params, &m->model.transmission, fault)) return false;
+    const double F_ext = m->state.F_ext_at_start;
+    if (!check_mechanism(params, fault) || !check_domain(params, &m->model.transmission, F_ext, fault)) return false;
     const double z = m->configuration.z;
     const double jump = spring_energy(&params->spring, z) - spring_energy(&m->params.spring, z);
     if (m->params.ledger && jump != 0.0) sum_add(&m->state.ledger.work_tuning, jump);
     remember_tunables(m, params);
     m->params = *params;
+    m->state.friction_class = (int)domain_class(params, &m->model.transmission, F_ext);
     build_model(m);
     return true;
 }
@@ -158,7 +170,6 @@ COLD void mechanism_rewind(Mechanism *m) {
     s->mode = step->mode;
     s->energy_gained = step->energy_gained;
     memcpy(s->flank, step->flank, sizeof s->flank);
-    s->searches = step->searches;
     m->inputs = step->inputs;
     if (!step->retuned) {
         update_configuration(m);

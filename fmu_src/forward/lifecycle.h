@@ -9,7 +9,8 @@
 
 /* Starts from m->params and m->inputs: builds the model, sets the state to its start values and decides the mode for
  * the present inputs. False if the parameters cannot work: stops out of order, a start angle beyond the stops, a groove
- * that ends too early or that friction jams, a table that cannot be read. Then only m->model has changed. */
+ * that ends too early or that lies outside the
+ * domain (contact/domain.h), a table that cannot be read. Then only m->model has changed. */
 bool mechanism_start(Mechanism *m, Fault *fault);
 
 /* Builds the model from m->params and forgets cached values; the state stays. To be called after params, state and
@@ -44,7 +45,6 @@ static inline void begin_step(const Mechanism *m, double h, Step *step) {
     step->mode = s->mode;
     step->flank[0] = s->flank[0];
     step->flank[1] = s->flank[1];
-    step->searches = s->searches;
     step->retuned = 0;
 }
 

@@ -7,7 +7,6 @@
 #include "elementary/elementary.h"
 #include "forward/configuration.h"
 #include "forward/decide.h"
-#include "forward/rest.h"
 #include "forward/stick.h"
 #include "numerics/tolerances.h"
 
@@ -64,7 +63,6 @@ static void indicate_rest(const Mechanism *m, double indicator[ODE_INDICATORS]) 
     const BandFactors f = stick_edges(m, stick_axial_load(m));
     indicator[INDICATOR_LOAD] = way_to_edge(m, f.load, 1.0, m->state.mode == MODE_UPPER_STOP);
     indicator[INDICATOR_RELEASE] = way_to_edge(m, f.release, -1.0, m->state.mode == MODE_LOWER_STOP);
-    if (wedge_holds(m)) indicator[INDICATOR_FLANK_1] = -wedge_agreement(m);
 }
 
 static void indicate_slip(const Mechanism *m, int index, double indicator[ODE_INDICATORS]) {
@@ -76,10 +74,10 @@ static void indicate_slip(const Mechanism *m, int index, double indicator[ODE_IN
     if (!has_friction(&m->params)) return;
     const SlipMode slip = slip_mode_from_here(m, index);
     const Balance balance = balance_from_here(m, &slip);
-    BalanceRates rates;
-    balance_rates(&slip, &balance, 0.0, &rates);
+    double size[2];
+    balance_contact_sizes(&slip, &balance, size);
     for (int i = 0; i < 2; i++) {
-        const double late = LATE_LOADS * rates.size[i] + DBL_MIN; /* without any load the flank does not matter */
+        const double late = LATE_LOADS * size[i] + DBL_MIN; /* without any load the flank does not matter */
         indicator[INDICATOR_FLANK_1 + i] = slip.flank[i] * balance.x[i] + late;
     }
 }

@@ -16,7 +16,7 @@ typedef enum {
     INDICATOR_RELEASE,  /* N.m, rest: torque less the lower edge */
     INDICATOR_LOWER,    /* rad, releasing: angle to the lower end stop */
     INDICATOR_UPPER,    /* rad, loading: angle to the upper end stop */
-    INDICATOR_FLANK_1,  /* N/m, slip with friction: x_i on the flank on which the contact bears; wedged: see rest.h */
+    INDICATOR_FLANK_1,  /* N/m, slip with friction: x_i on the flank on which the contact bears */
     INDICATOR_FLANK_2,
     ODE_INDICATORS
 } Indicator;

@@ -64,6 +64,7 @@ void mechanism_loads(const Mechanism *m, LoadOutputs *out) {
         .torque_release = stick_edge(f.release, F_0),
         .efficiency = efficiency(m, &f, F_0),
         .mode = (int)now.mode,
+        .friction_class = m->state.friction_class,
         .events = m->state.events,
     };
     for (int i = 0; i < 2; i++) {

@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-#include "contact/loaded_contacts.h"
+#include "contact/contact.h"
 #include "elementary/elementary.h"
 #include "forward/configuration.h"
 #include "forward/stick.h"
@@ -40,7 +40,8 @@ NOINLINE static Edge edge_at(const EdgePath *path, double theta) {
     Edge edge = {.dz_dtheta = g.dz_dtheta, .pattern = F_0 < 0.0 ? 8 : 0};
     int flank[2];
     Transfer t;
-    if (!contact_edge_under(&m->params, &g, fabs(F_0), away, flank, &t, m->work)) {
+    cam_set_load(&m->params, F_0, &g);
+    if (!contact_edge(&g, away, flank, &t)) {
         const bool begins = fabs(theta - m->state.theta.hi) <= path->unloaded && !stick_force_counts(m, F_0);
         edge.torque = F_0 == 0.0 || begins ? 0.0 : (double)path->direction * (double)INFINITY;
         return edge;
@@ -99,8 +100,6 @@ NOINLINE static Booking sum_over(const EdgePath *path, double from, double to) {
     }
     return sum;
 }
-
-COMPACT_BEGIN
 
 static void add(Booking *sum, const Booking *part) {
     sum->work_in += part->work_in;
@@ -253,4 +252,3 @@ void play_jump(const Mechanism *m, int direction, double torque, double bump, Ju
     jump->stopped = true;
 }
 
-COMPACT_END

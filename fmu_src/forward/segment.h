@@ -13,8 +13,8 @@ typedef enum {
     SEGMENT_LOBATTO,     /* slip, one Lobatto step */
     SEGMENT_RADAU,       /* slip, one Radau step */
     SEGMENT_JUMP,     /* without inertia and damping: along the band's edge, until it holds the torque, or to a stop */
-    SEGMENT_JAM,      /* no time passes: the contacts jam */
-    SEGMENT_AT_EVENT, /* no time passes: at a stop into which the mechanism moves, or past a change of flanks */
+    SEGMENT_WEDGE,    /* no time passes: the contacts wedge and take the speed */
+    SEGMENT_AT_EVENT, /* no time passes: at a stop into which the mechanism moves */
 } SegmentKind;
 
 typedef struct {
@@ -29,8 +29,7 @@ typedef struct {
     bool varies;             /* the inputs vary and time passes */
     bool finds_speed;        /* the speed follows from the mode that is decided at the end, see jump.c */
     bool ends_at_breakpoint; /* the length of the segment was chosen as the time to a breakpoint of the transmission */
-    int load_ahead;          /* see Mechanism */
-    int crossed[2];          /* see Mechanism */
+    bool crossed[2];         /* of EVENT_FLANK: the reactions that pass zero at the end */
     Booking booking;         /* J; only with a ledger */
     Peaks peak;              /* largest values of the run up to the end; only with a ledger */
     const EventLocation *location; /* of SEGMENT_RADAU: the collocation step */
@@ -43,7 +42,7 @@ static inline void segment_begin(const Mechanism *m, SegmentKind kind, Segment *
     segment->duration = segment->dtheta = segment->omega = segment->energy_gained = 0.0;
     segment->omega_is_increment = segment->books = segment->varies = false;
     segment->finds_speed = segment->ends_at_breakpoint = false;
-    segment->load_ahead = segment->crossed[0] = segment->crossed[1] = 0;
+    segment->crossed[0] = segment->crossed[1] = false;
     segment->peak = m->state.ledger.peak;
     segment->location = NULL;
 }

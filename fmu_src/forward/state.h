@@ -18,12 +18,12 @@
  *
  * Files, in the order in which a step uses them:
  *   step               the step as an outline: decide the mode, propose a segment, apply it, handle its event
- *   decide, candidate  which mode comes next (friction inclusion), and the motion that each slip mode would give
+ *   decide, candidate  which mode comes next (friction inclusion), and the motion along one slip mode
  *   stick              the stick band, and the time for which rest lasts
  *   segment            one part of a step in one mode, and the one function that applies it
  *   rest, closed_form_slip, collocation_slip, jump    the methods that propose segments
  *   play               the play operator: the angle by which theta moves along the edge of the stick band
- *   impact             end stops and jams
+ *   impact             end stops and wedges
  *   configuration, lifecycle, outputs, ode            what theta implies; start and tuning; outputs; model exchange */
 #ifndef DUALCAM_STATE_H
 #define DUALCAM_STATE_H
@@ -34,6 +34,7 @@
 #include "closed_form/linear_slip.h"
 #include "collocation/radau_step.h"
 #include "contact/contact.h"
+#include "contact/domain.h"
 #include "geometry/cam.h"
 #include "geometry/transmission.h"
 #include "model/friction_table_load.h"
@@ -51,7 +52,7 @@ typedef struct {
     double energy_gained; /* J, see State */
     double h;             /* s; 0: no step has been made */
     Mode mode;
-    int flank[2], searches;
+    int flank[2];
     int retuned; /* 1: parameters have been tuned since the step, see State.tunables; else 0 */
 } Step;
 
@@ -60,9 +61,10 @@ typedef struct {
     Sum omega;            /* rad/s */
     double energy_gained; /* J, by the errors of integration since the last impact: collocation/step_energy.h */
     int64_t events;       /* mode changes so far */
+    double F_ext_at_start; /* N, under which the friction class was found (contact/domain.h) */
     Mode mode;
-    int flank[2]; /* e_i while slipping: +1 supporting flank of cam i's groove, -1 the other flank */
-    int searches; /* 1: the slip mode has SlipMode.searches; else 0 */
+    int flank[2];       /* e_i while slipping: +1 supporting flank of cam i's groove, -1 the other flank */
+    int friction_class; /* FrictionClass */
     Ledger ledger;
     Step step;
     Tunables tunables; /* those of the latest step if step.retuned, else 0 */
@@ -86,6 +88,7 @@ typedef struct {
     double torque_release;          /* N.m, lower edge of the stick band; -inf: wedged */
     double efficiency;              /* torque_release / torque_load */
     int mode;                       /* Mode, decided with the present inputs */
+    int friction_class;             /* FrictionClass */
     int64_t events;
 } LoadOutputs;
 
@@ -137,6 +140,8 @@ typedef struct {
     RestInterval rest;
     Kernel kernel[SLIP_MODE_COUNT]; /* propagation over the latest quiet step, by slip_index() */
     StepProposal proposal;          /* for the next collocation step of this communication step */
+    Inputs decided;                 /* the inputs that the present mode was decided with */
+    bool is_decided;
 } Cache;
 
 typedef struct {
@@ -148,10 +153,7 @@ typedef struct {
     Cache cache;
     Work *work;            /* of the step that is being made; else NULL */
     int64_t work_limit;    /* see work_of_call() */
-    bool moves_on;         /* in a step after its first segment: no input has jumped */
-    int load_ahead;        /* in a step, where a segment has ended as both reactions pass zero: sign of the axial load
-                              that follows; else 0 */
-    int crossed[2];        /* in a step, where a segment has ended as x_i passes zero: sign of x_i just after; else 0 */
+    bool crossed[2];       /* in a step: the latest segment has ended as x_i passes zero */
     const char *resources; /* directory from which a table's relative path starts, or NULL; not owned */
     bool continuous;       /* model exchange (ode.h): modes change in mechanism_settle() only */
 } Mechanism;
@@ -167,7 +169,7 @@ static inline int direction_of(Mode mode) {
 
 /* The slip mode of an index, see slip_index(). */
 static inline int slip_direction(int index) {
-    return index % SLIP_SEARCHES < FLANK_PAIR_COUNT ? 1 : -1;
+    return index < FLANK_PAIR_COUNT ? 1 : -1;
 }
 
 static inline void slip_flanks(int index, int flank[2]) {
@@ -175,20 +177,9 @@ static inline void slip_flanks(int index, int flank[2]) {
     flank[1] = index & 1 ? -1 : 1;
 }
 
-/* Index of the present slip mode without SLIP_SEARCHES, as in closed form; m->state.mode is a mode of slip. */
-static inline int present_pair_index(const Mechanism *m) {
-    return slip_index(direction_of(m->state.mode), m->state.flank);
-}
-
-/* Index of the present slip mode. */
+/* Index of the present slip mode; m->state.mode is a mode of slip. */
 static inline int present_slip_index(const Mechanism *m) {
-    return present_pair_index(m) + (m->state.searches ? SLIP_SEARCHES : 0);
-}
-
-/* Takes the flanks of a slip mode. */
-static inline void take_slip_flanks(State *state, int index) {
-    slip_flanks(index, state->flank);
-    state->searches = index >= SLIP_SEARCHES;
+    return slip_index(direction_of(m->state.mode), m->state.flank);
 }
 
 #endif

@@ -11,19 +11,20 @@
 #include "forward/jump.h"
 #include "forward/lifecycle.h"
 #include "forward/rest.h"
-#include "forward/stick.h"
+#include "model/friction_law.h"
 #include "model/work.h"
 #include "numerics/tolerances.h"
 #include "platform/attributes.h"
+
+enum { REASON_SIZE = 400 }; /* bytes */
 
 typedef enum {
     OUTCOME_DONE,
     OUTCOME_GOES_ON,
     OUTCOME_STOPPED, /* the visitor has stopped the step */
     OUTCOME_NOT_FINITE,
-    OUTCOME_NO_SPEED,       /* no speed balances the torque */
-    OUTCOME_REST_OR_MOTION, /* both balance the torque */
-    OUTCOME_TOO_MANY_JAMS,
+    OUTCOME_LOST, /* D of the pair of flanks falls to zero */
+    OUTCOME_TOO_MANY_WEDGES,
     OUTCOME_TOO_MANY_SEGMENTS,
     OUTCOME_TOO_MUCH_WORK,
 } Outcome;
@@ -36,10 +37,8 @@ typedef struct {
     bool decided;          /* the mode has been decided in this step */
     bool rests_on;         /* the latest segment is rest under constant inputs: no decision is due */
     bool goes_on;          /* the latest segment is a collocation step without event: its mode probably lasts */
-    bool jammed_at_rest;   /* the latest segment is a jam that has taken neither speed nor time */
-    bool jams_on;          /* the latest two are: each decision finds the same again */
     LobattoHint hint;      /* for the next segment */
-    int segments, jams;    /* so far; Lobatto steps and segments that only end at a breakpoint do not count */
+    int segments, wedges;  /* so far; Lobatto steps and segments that only end at a breakpoint do not count */
     Work work;             /* so far; all segments and all searches count */
     int next_check;        /* stall guard: the number of segments at which the progress is checked */
     double left_at_check;  /* s, time left at the latest check */
@@ -58,14 +57,10 @@ static StepRun run_of(const Mechanism *m, double h, StepVisitor *visitor) {
 
 /* ---- limits ---- */
 
-static int most_segments(const Mechanism *m) {
-    return m->model.friction_is_loaded ? MAX_LOADED_SEGMENTS_PER_STEP : MAX_SEGMENTS_PER_STEP;
-}
-
 /* Bounds the work of a step, and finds a step in which time does not advance. */
-static Outcome check_limits(const Mechanism *m, StepRun *run) {
-    if (run->jams >= MAX_JAMS_PER_STEP || run->jams_on) return OUTCOME_TOO_MANY_JAMS;
-    if (run->segments >= most_segments(m)) return OUTCOME_TOO_MANY_SEGMENTS;
+static Outcome check_limits(StepRun *run) {
+    if (run->wedges >= MAX_WEDGES_PER_STEP) return OUTCOME_TOO_MANY_WEDGES;
+    if (run->segments >= MAX_SEGMENTS_PER_STEP) return OUTCOME_TOO_MANY_SEGMENTS;
     if (work_is_spent(&run->work)) return OUTCOME_TOO_MUCH_WORK;
     if (run->segments < run->next_check) return OUTCOME_GOES_ON;
     if (run->left_at_check - run->left < run->least_progress) return OUTCOME_TOO_MANY_SEGMENTS;
@@ -74,89 +69,31 @@ static Outcome check_limits(const Mechanism *m, StepRun *run) {
     return OUTCOME_GOES_ON;
 }
 
-/* Near a dwell, where z' = 0, the follower's mass and damper resist no motion. The shaft's damping alone suffices only
- * for a follower without mass: with mass the speed is a state, and its equation needs inertia. */
-static bool nothing_resists(const Mechanism *m) {
-    const CamParams *cam = m->params.cam;
-    const bool resisted = m->params.shaft.damping > 0.0 || cam[0].law.viscous > 0.0 || cam[1].law.viscous > 0.0;
-    const bool damped = resisted && !has_inertia(&m->params);
-    const bool follower_only = m->params.inertia.shaft == 0.0 && !damped;
-    return follower_only && m->configuration.geometry.dz_dtheta <= NEAR_DWELL * m->model.transmission.slope_size;
-}
-
-/* Without inertia, in a motion: has friction that grows with the speed a coefficient so large that the torque is at the limit
- * of what friction resists at any speed? Other flanks can balance the torque at a low speed, but hardly any inertia would
- * never come to them. */
-COMPACT static bool speed_has_no_bound(const Mechanism *m) {
-    if (has_inertia(&m->params) || !m->moves_on || !is_slip(m->state.mode)) return false;
-    const Geometry *g = &m->configuration.geometry;
-    bool boundless = false;
-    for (int i = 0; i < 2; i++)
-        boundless |= m->params.cam[i].law.viscous * cam_sliding(g, i) * fabs(m->state.omega.hi) > FRICTION_BOUNDLESS;
-    return boundless;
-}
-
-/* Without inertia: does the torque exceed what friction can resist at any speed? Friction that grows with the speed
- * resists by at most the limit of rho F_0 for mu to infinity, which is finite if the other contact does not lock. Where
- * friction depends on the load, too, the pair of the slow motion has no more answer from some speed on. Hardly any inertia
- * would move in jerks: to this speed, to rest, and on again. */
-static bool no_speed_balances(const Mechanism *m) {
-    return !has_inertia(&m->params) && any_friction_varies(&m->params) && m->state.mode == MODE_WEDGED &&
-           stick_direction_beyond_band(m) != 0;
-}
-
 /* ---- one segment ---- */
 
-/* False: no decision without inertia, see enter_decided_mode(). */
-static bool decide_mode(Mechanism *m, StepRun *run) {
+static void decide_mode(Mechanism *m, StepRun *run) {
     StepVisitor *visitor = run->visitor;
     if (visitor != NULL && visitor->before_decision != NULL) visitor->before_decision(visitor, m);
-    if (!enter_decided_mode(m)) return false;
+    enter_decided_mode(m);
     run->decided = true;
     if (visitor != NULL) run->left = visitor->after_decision(visitor, m, run->left);
-    return true;
+}
+
+static SlipProposal propose_closed_form(Mechanism *m, double left, Segment *segment) {
+    const LinearSlipMode *linear = kept_linear_slip(m, present_slip_index(m));
+    const bool may_jump = linear->regime == REGIME_RATE_INDEPENDENT;
+    if (may_jump && jump_of_helices(m, linear, segment) == JUMP_PROPOSED) return SLIP_PROPOSED;
+    return closed_form_slip_propose(m, left, segment) ? SLIP_PROPOSED : SLIP_NOT_FINITE;
 }
 
 /* Proposes a segment in the mode that has been decided. */
-static bool propose_segment(Mechanism *m, double left, EventLocation *location, Segment *segment) {
-    if (is_jammed(m)) {
-        jam_propose(m, segment);
-        return true;
-    }
-    /* The torque is beyond a finite edge, and no slip mode agrees with its forces: the motion would be infinitely
-     * fast. */
-    if (m->state.mode == MODE_WEDGED && nothing_resists(m) && stick_direction_beyond_band(m) != 0) return false;
-    if (no_speed_balances(m)) return false;
-    if (!is_slip(m->state.mode)) {
-        rest_propose(m, left, segment);
-        return true;
-    }
-    if (!is_closed_form(m))
-        return jump_is_due(m) ? jump_propose(m, left, segment) : collocation_slip_propose(m, left, location, segment);
-    const LinearSlipMode *linear = kept_linear_slip(m, present_pair_index(m));
-    const bool may_jump = linear->regime == REGIME_RATE_INDEPENDENT;
-    if (may_jump && jump_of_helices(m, linear, segment) == JUMP_PROPOSED) return true;
-    return closed_form_slip_propose(m, left, segment);
-}
-
-/* Under friction that depends on the load a pair of flanks can lose its motion while the mechanism moves: two answers of
- * the balance meet, and no step, however short, goes on. Where another pair agrees, the motion goes on along that pair
- * with the same speed; rigid contacts stop a motion only where no pair is possible. So do contacts that hold the speed at
- * the limit of a jam where both parts of alpha = N/D, or of the reactions, vanish: they let go
- * (collocation/step_indicator.h). */
-static bool goes_beyond_loss(Mechanism *m, const Segment *segment) {
-    const bool lost = segment->kind == SEGMENT_JAM && is_slip(m->state.mode) &&
-                      (m->model.friction_is_loaded || is_quotient_of_zeros(m, present_slip_index(m)));
-    return lost && leave_lost_flanks(m);
-}
-
-/* Before rest or a jam. */
-NOINLINE static void note_rest(Mechanism *m, StepRun *run, const Segment *segment) {
-    const bool at_rest = segment->kind == SEGMENT_JAM && segment->duration == 0.0 && m->state.omega.hi == 0.0;
-    run->jams_on = run->jammed_at_rest && at_rest;
-    run->jammed_at_rest = at_rest;
-    /* The length of a step that ran into a jam says nothing about the motion that begins after the rest. */
-    if (m->model.friction_is_loaded) m->cache.proposal = (StepProposal){INFINITY, 0};
+static SlipProposal propose_segment(Mechanism *m, double left, EventLocation *location, Segment *segment) {
+    if (is_wedging(m)) wedge_propose(m, segment);
+    else if (!is_slip(m->state.mode)) rest_propose(m, left, segment);
+    else if (is_closed_form(m)) return propose_closed_form(m, left, segment);
+    else if (jump_is_due(m)) return jump_propose(m, left, segment) ? SLIP_PROPOSED : SLIP_NOT_FINITE;
+    else return collocation_slip_propose(m, left, location, segment);
+    return SLIP_PROPOSED;
 }
 
 /* Applies the segment, handles its event and updates the run. Returns false if the visitor stops the step. */
@@ -169,9 +106,7 @@ static bool carry_out(Mechanism *m, StepRun *run, const Segment *segment) {
     past.omega = m->state.omega.hi;
     handle_event(m, direction_of(past.mode), segment->end);
     if (segment->finds_speed) jump_find_speed(m);
-    m->load_ahead = segment->load_ahead;
     for (int i = 0; i < 2; i++) m->crossed[i] = segment->crossed[i];
-    m->moves_on = true;
     run->left = max_of(run->left - segment->duration, 0.0); /* a rounding can locate an event past the end */
     run->rests_on = segment->kind == SEGMENT_REST && !segment->varies;
     run->goes_on = (segment->kind == SEGMENT_RADAU || segment->kind == SEGMENT_LOBATTO) && segment->end == EVENT_NONE;
@@ -180,7 +115,7 @@ static bool carry_out(Mechanism *m, StepRun *run, const Segment *segment) {
     const bool counts = segment->kind != SEGMENT_LOBATTO && !passes_breakpoint;
     run->segments += counts;
     work_add(&run->work, WORK_OF_SEGMENT);
-    run->jams += segment->kind == SEGMENT_JAM;
+    run->wedges += segment->kind == SEGMENT_WEDGE;
     return visitor == NULL || visitor->after_segment(visitor, m, segment, &past);
 }
 
@@ -191,9 +126,9 @@ static bool is_mode_known(const StepRun *run) {
     return run->left == 0.0 && !run->settles && (run->rests_on || !run->decided);
 }
 
-/* The mode has been decided: is the step complete? A jam at its end takes the speed, for the mechanism then rests. */
+/* The mode has been decided: is the step complete? A wedge at its end takes the speed, for the mechanism then rests. */
 static bool is_over(const Mechanism *m, const StepRun *run) {
-    return run->left == 0.0 && !is_jammed(m);
+    return run->left == 0.0 && !is_wedging(m);
 }
 
 /* Proposes the next segment in the present mode, if a short test shows that the mode lasts. */
@@ -208,20 +143,16 @@ NOINLINE static Outcome make_segments(Mechanism *m, StepRun *run) {
     Segment segment;
     for (;;) { /* at most MAX_WORK turns, see check_limits() */
         if (is_mode_known(run)) return OUTCOME_DONE;
-        const Outcome limits = run->left > 0.0 || run->settles ? check_limits(m, run) : OUTCOME_GOES_ON;
+        const Outcome limits = run->left > 0.0 || run->settles ? check_limits(run) : OUTCOME_GOES_ON;
         if (limits != OUTCOME_GOES_ON) return limits;
-        if (run->left > 0.0 && speed_has_no_bound(m)) return OUTCOME_NO_SPEED;
-        const SlipProposal same_mode = go_on(m, run, &location, &segment);
-        if (same_mode == SLIP_NOT_FINITE) return OUTCOME_NOT_FINITE;
-        if (same_mode == SLIP_UNDECIDED) {
-            if (!decide_mode(m, run)) return OUTCOME_REST_OR_MOTION;
+        SlipProposal proposal = go_on(m, run, &location, &segment);
+        if (proposal == SLIP_UNDECIDED) {
+            decide_mode(m, run);
             if (is_over(m, run)) return OUTCOME_DONE;
-            if (!propose_segment(m, run->left, &location, &segment)) return OUTCOME_NOT_FINITE;
+            proposal = propose_segment(m, run->left, &location, &segment);
         }
-        if (goes_beyond_loss(m, &segment) && !propose_segment(m, run->left, &location, &segment))
-            return OUTCOME_NOT_FINITE;
-        if (segment.kind == SEGMENT_JAM || segment.kind == SEGMENT_REST) note_rest(m, run, &segment);
-        else run->jammed_at_rest = false;
+        if (proposal == SLIP_LOST) return OUTCOME_LOST;
+        if (proposal == SLIP_NOT_FINITE) return OUTCOME_NOT_FINITE;
         if (!carry_out(m, run, &segment)) return OUTCOME_STOPPED;
     }
 }
@@ -231,28 +162,32 @@ static Outcome go_through(Mechanism *m, StepRun *run) {
     m->work = &run->work;
     const Outcome outcome = make_segments(m, run);
     m->work = NULL;
-    m->load_ahead = m->crossed[0] = m->crossed[1] = 0;
-    m->moves_on = false;
+    m->crossed[0] = m->crossed[1] = false;
     return work_is_spent(&run->work) ? OUTCOME_TOO_MUCH_WORK : outcome;
 }
 
 /* ---- failures ---- */
 
+/* Where D of the present pair of flanks falls to zero in the motion: the place and the coefficients. */
+static void describe_loss(const Mechanism *m, char text[REASON_SIZE]) {
+    const SlipMode slip = slip_mode_from_here(m, present_slip_index(m));
+    const Balance now = balance_from_here(m, &slip);
+    snprintf(text, REASON_SIZE,
+             "at theta = %s, omega = %s the contacts, with mu1 = %s and mu2 = %s, take the inertia that the torque feels "
+             "to zero; a larger inertia.shaft, or less friction%s, would work",
+             shortest_decimal(now.theta).text, shortest_decimal(now.omega).text,
+             shortest_decimal(fabs(now.friction[0])).text, shortest_decimal(fabs(now.friction[1])).text,
+             any_friction_depends_on_speed(&m->params) ? " at this speed" : "");
+}
+
 /* The reason of a failed step; `m` is the mechanism at the instant of the failure. */
-static const char *reason_of(const Mechanism *m, Outcome outcome) {
-    if (nothing_resists(m))
-        return "nothing resists the motion on a dwell, where inertia.shaft, or without any inertia shaft.damping, must "
-               "be > 0";
-    if (outcome == OUTCOME_NO_SPEED || (outcome == OUTCOME_NOT_FINITE && no_speed_balances(m)))
-        return "without inertia no speed balances the torque under friction that grows with the speed, so inertia.shaft "
-               "must be > 0";
+static void describe_reason(const Mechanism *m, Outcome outcome, char text[REASON_SIZE]) {
     switch (outcome) {
-        case OUTCOME_NOT_FINITE: return "the motion leaves the range of numbers";
-        case OUTCOME_REST_OR_MOTION:
-            return "without inertia rest and motion both balance the torque, so inertia.shaft must be > 0";
-        case OUTCOME_TOO_MANY_JAMS: return "the contacts jam and let go without end";
-        case OUTCOME_TOO_MUCH_WORK: return "the step needs too many evaluations of the motion";
-        default: return "the step needs too many segments";
+        case OUTCOME_LOST: describe_loss(m, text); return;
+        case OUTCOME_NOT_FINITE: snprintf(text, REASON_SIZE, "the motion leaves the range of numbers"); return;
+        case OUTCOME_TOO_MANY_WEDGES: snprintf(text, REASON_SIZE, "the contacts wedge and let go without end"); return;
+        case OUTCOME_TOO_MUCH_WORK: snprintf(text, REASON_SIZE, "the step needs too many evaluations of the motion"); return;
+        default: snprintf(text, REASON_SIZE, "the step needs too many segments");
     }
 }
 
@@ -260,16 +195,16 @@ static const char *reason_of(const Mechanism *m, Outcome outcome) {
 static void describe_failure(Fault *fault, const Mechanism *m, double h, const char *reason) {
     snprintf(fault->text, sizeof fault->text,
              "step of %s s at theta = %s, omega = %s, tau = %s: %s; allowed are finite values and "
-             "at most %d segments, %d jams and %d evaluations of the motion; any %d segments in a row must advance %g "
+             "at most %d segments, %d wedges and %d evaluations of the motion; any %d segments in a row must advance %g "
              "of the step",
              shortest_decimal(h).text, shortest_decimal(m->state.theta.hi).text,
              shortest_decimal(m->state.omega.hi).text, shortest_decimal(m->inputs.tau[0]).text, reason,
-             most_segments(m), (int)MAX_JAMS_PER_STEP, (int)work_of_call(m->work_limit).most, (int)STALL_GUARD_SEGMENTS,
+             (int)MAX_SEGMENTS_PER_STEP, (int)MAX_WEDGES_PER_STEP, (int)work_of_call(m->work_limit).most, (int)STALL_GUARD_SEGMENTS,
              STALL_GUARD_PROGRESS);
 }
 
 /* Do the inputs stay finite in the step? */
-COMPACT static bool check_inputs(const Inputs *in, double h, Fault *fault) {
+static bool check_inputs(const Inputs *in, double h, Fault *fault) {
     const bool torque = input_stays_finite(in->tau, h);
     if (torque && input_stays_finite(in->F_ext, h)) return true;
     const double *u = torque ? in->F_ext : in->tau;
@@ -299,7 +234,7 @@ typedef struct {
 static double tell_of_decision(StepVisitor *visitor, const Mechanism *m, double left) {
     Watcher *watcher = ((WatchingVisitor *)visitor)->watcher;
     const int mode = (int)m->state.mode;
-    if (watcher->mode == 0 || watcher->mode == mode || is_jammed(m)) return left;
+    if (watcher->mode == 0 || watcher->mode == mode || is_wedging(m)) return left;
     watcher->mode = mode;
     const double on = watcher->changed(watcher, left);
     watcher->cut += left - on;
@@ -332,7 +267,8 @@ static bool advance_by_segments(Mechanism *m, double h, const Segment *first, co
         m->state.step = step;
         return true;
     }
-    const char *const reason = reason_of(m, outcome);
+    char reason[REASON_SIZE];
+    describe_reason(m, outcome, reason);
     undo(m, &state, &inputs);
     describe_failure(fault, m, h, reason);
     return false;
@@ -393,6 +329,6 @@ void mechanism_settle(Mechanism *m) {
     if (m->continuous) land_where_it_is(m); /* in co-simulation the step has done so */
     StepRun run = run_of(m, 0.0, NULL);
     run.settles = true;
-    (void)go_through(m, &run); /* at most one jam, which takes the speed: no limit of a step is reached */
+    (void)go_through(m, &run); /* at most one wedge, which takes the speed: no limit of a step is reached */
     if (m->continuous) m->state.ledger = before;
 }

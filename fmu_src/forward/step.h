@@ -7,7 +7,7 @@
 #include "model/watcher.h"
 
 /* Advances by h > 0 seconds with m->inputs and leaves in m->inputs their values at the end of the step. Returns false,
- * with the mechanism as before, if the step needs too many segments or jams (the limits stand in tolerances.h), or if a
+ * with the mechanism as before, if the step needs too many segments or wedges (the limits stand in tolerances.h), or if a
  * value is not finite; `fault` names the reason. */
 bool mechanism_advance(Mechanism *m, double h, Fault *fault);
 

@@ -4,7 +4,6 @@
 #include <math.h>
 
 #include "contact/balance.h"
-#include "contact/loaded_contacts.h"
 #include "elementary/elementary.h"
 #include "numerics/bernstein.h"
 #include "numerics/golden_section.h"
@@ -42,7 +41,7 @@ bool stick_is_unloaded(const Mechanism *m) {
 /* m/rad, the size of the rounding of an edge factor by that of the slopes. With rho = 1/(kappa_1 + kappa_2) of section 3
  * of docs/mechanism.md, d rho/d a_i = (1 + f_i^2) (rho/n_i)^2, where rho/n_i is at most about 1, and where groove i is
  * steep at most about (a_j + mu_j r_j)/a_i: the slope of a steep groove hardly matters, and so does its rounding. */
-COMPACT static double slope_size(const Mechanism *m) {
+static double slope_size(const Mechanism *m) {
     const Geometry *g = &m->configuration.geometry;
     double size = 0.0;
     for (int i = 0; i < 2; i++) {
@@ -71,22 +70,15 @@ double stick_torque_size(const Mechanism *m, double factor) {
     return fabs(m->inputs.tau[0]) + edge_size(m, factor, m->inputs.F_ext[0]);
 }
 
-/* The grooves, where a slope that is rounding counts as level: contacts that jam at the end of a dwell rest there to
- * rounding, and a locked contact holds a torque on the one side only. */
-COMPACT static Geometry resting_geometry(const Mechanism *m) {
-    const Geometry *here = &m->configuration.geometry;
-    Geometry g = *here;
-    bool rises[2];
-    for (int i = 0; i < 2; i++) rises[i] = here->slope[i] > DBL_EPSILON * m->model.transmission.steepest[i];
-    for (int i = 0; i < 2; i++)
-        if (!rises[i] && rises[1 - i]) g.slope[i] = 0.0;
-    return g;
+static BandFactors band_under(const Mechanism *m, double F_0) {
+    Geometry g = m->configuration.geometry;
+    cam_set_load(&m->params, F_0, &g);
+    return contact_band(&g);
 }
 
 BandFactors stick_band(const Mechanism *m) {
     if (m->model.transmission.straight && !m->model.friction_is_loaded) return m->configuration.band;
-    const Geometry g = resting_geometry(m);
-    return contact_band_under(&m->params, &g, fabs(stick_axial_load(m)), m->work);
+    return band_under(m, stick_axial_load(m));
 }
 
 /* For F_0 < 0 the pins bear on the other flanks: the edges change places. */
@@ -120,11 +112,13 @@ static double tie_at(const Mechanism *m, const Difference *d, double t) {
     return stick_tie(m) * (d->is_load ? axial_size(m, F_ext) : fabs(tau) + edge_size(m, d->factor, F_ext));
 }
 
-/* The sign of u. Where u is rounding, u has the sign with which u leaves the rounding: a torque that touches the edge
- * of the band and turns back is not beyond. 0: u is rounding and stays so. */
+/* The sign of u. Where u is rounding, its first rate decides, if u leaves the rounding in this direction: a torque that
+ * touches the edge of the band and turns back is not beyond. 0: u stays rounding for now. */
 static int sign_of_difference(const Mechanism *m, const Difference *d) {
     const double tie = tie_at(m, d, 0.0);
-    return fabs(d->u[0]) > tie ? sign_of(d->u[0]) : taylor_leaving_sign(d->u, tie);
+    if (fabs(d->u[0]) > tie) return sign_of(d->u[0]);
+    const double first = d->u[1] != 0.0 ? d->u[1] : d->u[2] != 0.0 ? d->u[2] : d->u[3];
+    return first * taylor_leaving_sign(d->u, tie) > 0.0 ? sign_of(first) : 0;
 }
 
 /* F_0 */
@@ -142,41 +136,20 @@ static double side_of(const Mechanism *m, double F_0) {
     return coming != 0 ? coming : F_0;
 }
 
-/* The sign that F_0 = 0 takes in a motion in `direction` under a constant F_ext; 0: F_0 stays zero. */
-static int side_along(const Mechanism *m, int direction) {
-    const SpringParams *s = &m->params.spring;
-    const double curvature = 2.0 * s->stiffness2 + 6.0 * s->stiffness3 * m->configuration.z;
-    const double u[INPUT_ORDER + 1] = {0.0, direction * spring_rate(s, m->configuration.z), curvature,
-                                       direction * 6.0 * s->stiffness3};
-    return taylor_leaving_sign(u, 0.0);
-}
-
-/* Does the motion in `direction` that begins at F_0 = 0 meet a load under which a contact locks? Inertia and damping make other
- * loads before. */
-static bool locks_along(const Mechanism *m, int direction) {
-    if (slip_regime(&m->params, direction) != REGIME_RATE_INDEPENDENT) return false;
-    const int side = side_along(m, direction);
-    const BandFactors f = stick_edges(m, side);
-    return side != 0 && isinf(direction > 0 ? f.load : f.release);
-}
-
-/* The edges per F_0 that tell whether the mechanism rests. Without a load, now and later, there is no friction: an edge that
- * is infinite under any load is at zero, unless a motion makes that load at once. */
-COMPACT static BandFactors edges_at_rest(const Mechanism *m, double F_0) {
+/* The edges per F_0 that tell whether the mechanism rests. Without a load, now and later, each direction has the edge of the
+ * load that the spring makes in this direction. */
+static BandFactors edges_at_rest(const Mechanism *m, double F_0) {
     const double side = side_of(m, F_0);
-    BandFactors f = stick_edges(m, side);
-    if (side != F_0 || stick_force_counts(m, F_0)) return f;
-    if (locks_along(m, 1)) f.load = INFINITY;
-    else if (isinf(f.load)) f.load = f.load_rate = 0.0;
-    if (locks_along(m, -1)) f.release = -INFINITY;
-    else if (isinf(f.release)) f.release = f.release_rate = 0.0;
-    return f;
+    if (side != F_0 || stick_force_counts(m, F_0)) return stick_edges(m, side);
+    const BandFactors up = stick_edges(m, 1.0), down = stick_edges(m, -1.0);
+    return (BandFactors){
+        .load = up.load, .load_rate = up.load_rate, .release = down.release, .release_rate = down.release_rate};
 }
 
 /* k-th time derivative of tau - E(F_0) at rest, with `factor` dE/dF_0. Zero if both terms cancel to rounding, or are no
  * more than the rounding of the factor: on a level groove the load passes no torque. Where friction depends on the load,
  * the second derivative of E is left out: it counts only if the first one of F_0 is zero as well. */
-COMPACT static double excess_rate(const Mechanism *m, double factor, int k) {
+static double excess_rate(const Mechanism *m, double factor, int k) {
     const double cancelled = m->model.closed_form ? 0.0 : STICK_RATE_CANCELLED;
     const double tau = m->inputs.tau[k], load = stick_edge(factor, m->inputs.F_ext[k]);
     const double rounding = stick_tie(m) * slope_terms(m) * fabs(m->inputs.F_ext[k]);
@@ -206,31 +179,6 @@ int stick_direction_beyond_band(const Mechanism *m) {
     return is_beyond(m, f.release, f.release_rate, F_0, -1.0) ? -1 : 0;
 }
 
-COMPACT_BEGIN
-bool stick_excess_grows(const Mechanism *m, int direction) {
-    const double F_0 = stick_axial_load(m);
-    const BandFactors f = edges_at_rest(m, F_0);
-    const Difference excess =
-        direction > 0 ? excess_of(m, f.load, f.load_rate, F_0) : excess_of(m, f.release, f.release_rate, F_0);
-    if (fabs(excess.u[0]) > tie_at(m, &excess, 0.0)) return true;
-    for (int k = 1; k <= INPUT_ORDER; k++)
-        if (excess.u[k] != 0.0) return direction * excess.u[k] > 0.0;
-    return false;
-}
-
-bool stick_is_on_edge(const Mechanism *m, int direction) {
-    const double F_0 = stick_axial_load(m);
-    const BandFactors f = edges_at_rest(m, F_0);
-    const double factor = direction > 0 ? f.load : f.release;
-    if (isinf(factor)) return false;
-    return fabs(m->inputs.tau[0] - stick_edge(factor, F_0)) <= stick_tie(m) * stick_torque_size(m, factor);
-}
-
-bool stick_locks(const Mechanism *m, int direction) {
-    const BandFactors f = edges_at_rest(m, stick_axial_load(m));
-    return isinf(direction > 0 ? f.load : f.release);
-}
-
 Mode stick_mode(const Mechanism *m) {
     const double F_0 = stick_axial_load(m), frictionless_factor = m->configuration.geometry.dz_dtheta;
     const BandFactors f = edges_at_rest(m, F_0);
@@ -238,8 +186,6 @@ Mode stick_mode(const Mechanism *m) {
     if (isinf(f.load) && is_beyond(m, frictionless_factor, frictionless_factor, F_0, 1.0)) return MODE_WEDGED;
     return MODE_STICK;
 }
-COMPACT_END
-
 /* Is the mechanism wedged above the frictionless torque z' F_0? At that torque, to rounding, the infinite edge
  * decides. */
 static bool wedged_above(const Mechanism *m, const BandFactors *band, double F_0) {
@@ -339,12 +285,12 @@ typedef struct {
     double spring, F_0, side, sign, ties; /* F_0: at the present instant */
 } LoadedRest;
 
-COMPACT static double loaded_excess(const void *context, double t) {
+static double loaded_excess(const void *context, double t) {
     const LoadedRest *rest = context;
     const Mechanism *m = rest->m;
     const double tau = input_value(m->inputs.tau, t), F_ext = input_value(m->inputs.F_ext, t);
     const double F_0 = rest->spring + F_ext;
-    const BandFactors band = contact_band_under(&m->params, &m->configuration.geometry, fabs(F_0), m->work);
+    const BandFactors band = band_under(m, F_0);
     const BandFactors f = rest_factors(m, edges_of_band(band, rest->side), rest->F_0, rest->side);
     const double factor = rest->sign > 0.0 ? f.load : f.release;
     if (isinf(factor)) return -INFINITY;
@@ -396,8 +342,7 @@ double stick_rest_time(const Mechanism *m, double left) {
 }
 
 double stick_sharing(const Mechanism *m, int i) {
-    const Geometry *g = &m->configuration.geometry;
-    return g->dpsi_dtheta[i] * cam_length(g, i) / g->radius[i] / m->params.contacts;
+    return cam_nominal_load(&m->configuration.geometry, i, 1.0, m->params.contacts);
 }
 
 double stick_reaction(const Mechanism *m, int i) {

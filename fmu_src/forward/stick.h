@@ -40,16 +40,6 @@ double stick_edge(double factor, double F_0);
  * band. On an edge, to rounding, the side decides on which the torque leaves the rounding, however late. */
 int stick_direction_beyond_band(const Mechanism *m);
 
-/* The torque is beyond the edge of that direction, or on the edge, to rounding. Does its excess grow from now on? On
- * the edge the excess can first shrink. */
-bool stick_excess_grows(const Mechanism *m, int direction);
-
-/* Is the torque on the band's edge of that direction, to rounding? */
-bool stick_is_on_edge(const Mechanism *m, int direction);
-
-/* Are the contacts locked at rest in that direction? Then this edge of the band is infinite. */
-bool stick_locks(const Mechanism *m, int direction);
-
 /* The mode of rest inside the band: MODE_WEDGED if one edge is infinite and the torque is beyond the frictionless
  * torque z' F_0 toward that edge, else MODE_STICK. */
 Mode stick_mode(const Mechanism *m);
@@ -58,9 +48,8 @@ Mode stick_mode(const Mechanism *m);
  * torque might find a slip mode. */
 RestInterval stick_rest_interval(const Mechanism *m);
 
-/* The time, s, at most `left`, for which rest lasts under inputs that are polynomials. If the torque is on the edge of
- * the band and no slip mode agrees, rest lasts until the torque is beyond the edge by more than a tie. The time is
- * at least the square of the rounding of `left`. */
+/* The time, s, at most `left`, for which rest lasts under inputs that are polynomials. The time is at least the square of
+ * the rounding of `left`. */
 double stick_rest_time(const Mechanism *m, double left);
 
 /* R_i per pin end and per F_0. */

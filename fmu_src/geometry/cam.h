@@ -12,7 +12,8 @@
 
 typedef struct {
     double radius[2];      /* m, r_i */
-    double friction[2];    /* mu_i; cam_geometry() sets the static coefficients */
+    double friction[2];    /* mu_i; cam_geometry() sets those at rest, where they depend on the load those at N_ref */
+    double friction_by_log_load[2]; /* F_0 dmu_i/dF_0; cam_geometry() sets 0 */
     double slope[2];       /* m/rad, a_i = r_i tan(lambda_i) */
     double dpsi_dtheta[2]; /* gamma' and phi', the shares of theta that the pin turns in cam 1 and in cam 2 */
     double dz_dtheta;      /* m/rad, z' */
@@ -20,6 +21,9 @@ typedef struct {
 
 /* The kinematics where the grooves have these slopes. */
 Geometry cam_geometry(const CamParams cam[2], const double slope[2]);
+
+/* Sets the friction coefficients to those at rest under the axial load F_0, N. */
+void cam_set_load(const Params *params, double F_0, Geometry *g);
 
 /* m/rad: z' = a1 a2/(a1+a2) */
 static inline double cam_dz_dtheta(const double slope[2]) {
@@ -40,6 +44,11 @@ static inline double cam_heat(const Geometry *g, int i) {
 /* m: sliding distance at contact i per angle of cam 2. */
 static inline double cam_sliding(const Geometry *g, int i) {
     return g->dpsi_dtheta[i] * sqrt(cam_length2(g, i));
+}
+
+/* N, N_i of one contact, `contacts` in all, under the axial load F (model/friction_law.h). */
+static inline double cam_nominal_load(const Geometry *g, int i, double F, int contacts) {
+    return fabs(F) * cam_sliding(g, i) / (g->radius[i] * contacts);
 }
 
 /* m: groove length per angle of cam i. The squares cannot overflow or underflow: a radius is at least 1e-6 m, a slope

@@ -63,7 +63,7 @@ static bool build_table(Groove *groove, const char *path, int number, const char
     return good;
 }
 
-COMPACT bool groove_build(Groove *groove, const Params *p, int number, const char *resources, Fault *fault) {
+bool groove_build(Groove *groove, const Params *p, int number, const char *resources, Fault *fault) {
     const CamParams *cam = &p->cam[number - 1];
     *groove = (Groove){.profile = cam->profile, .radius = cam->radius};
     switch (cam->profile) {

@@ -5,8 +5,6 @@
 #include "model/csv_file.h"
 #include "platform/attributes.h"
 
-COMPACT_BEGIN
-
 static const char *const HEADER = "psi_rad,z_m";
 
 static bool is_in_order(const CsvFile *csv, Sample before, Sample sample) {
@@ -67,4 +65,3 @@ void samples_free(Samples *samples) {
     *samples = (Samples){.sample = NULL};
 }
 
-COMPACT_END

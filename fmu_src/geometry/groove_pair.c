@@ -8,8 +8,6 @@
 #include "numerics/tolerances.h"
 #include "platform/attributes.h"
 
-COMPACT_BEGIN
-
 /* The parameter that decides the shape of a groove, as "cam1.ellipse_a = 0.05". */
 typedef struct {
     char text[QUOTED_PATH + 32];
@@ -74,7 +72,7 @@ static bool refuse_end(const Groove groove[2], const Params *p, double end, doub
     return false;
 }
 
-COMPACT static bool check_end(const Groove groove[2], const Params *p, double stop, Fault *fault) {
+static bool check_end(const Groove groove[2], const Params *p, double stop, Fault *fault) {
     if (pin_is_reachable(groove, stop)) return true;
     const double end = last_reachable(groove, stop);
     return fabs(stop - end) <= GROOVE_END_SLACK * (1.0 + fabs(stop)) || refuse_end(groove, p, end, stop, fault);
@@ -96,4 +94,3 @@ bool groove_pair_refuse_level(const Params *p, double theta, double z, Fault *fa
     return false;
 }
 
-COMPACT_END

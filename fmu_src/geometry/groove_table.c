@@ -76,7 +76,7 @@ static bool fill(Table *table, const Samples *samples, CurveKnot *knot) {
     return true;
 }
 
-COMPACT bool table_build(Table *table, const Samples *samples) {
+bool table_build(Table *table, const Samples *samples) {
     CurveKnot *knot = malloc(samples->count * sizeof *knot);
     *table = (Table){.piece = malloc((samples->count - 1) * sizeof(TablePiece)), .count = samples->count - 1};
     const bool good = knot && table->piece && fill(table, samples, knot);

@@ -7,7 +7,7 @@
 #include "numerics/tolerances.h"
 #include "platform/attributes.h"
 
-COMPACT void transmission_free(Transmission *transmission) {
+void transmission_free(Transmission *transmission) {
     for (int i = 0; i < 2; i++) groove_free(&transmission->groove[i]);
     free(transmission->piece);
     *transmission = (Transmission){.piece = NULL};

@@ -49,7 +49,7 @@ static size_t merge(Breakpoint *breakpoint, size_t count, double slack) {
     return kept;
 }
 
-COMPACT Breakpoint *transmission_breakpoints(const Groove groove[2], double lower, double upper, size_t *count) {
+Breakpoint *transmission_breakpoints(const Groove groove[2], double lower, double upper, size_t *count) {
     const StopRange range = {lower, upper, BREAKPOINT_MERGING * (upper - lower)};
     const size_t knots = groove[0].table.count + groove[1].table.count + 2;
     Breakpoint *breakpoint = malloc((knots + 2) * sizeof *breakpoint);

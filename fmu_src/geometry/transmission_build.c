@@ -10,8 +10,6 @@
 #include "geometry/transmission_fit.h"
 #include "platform/attributes.h"
 
-COMPACT_BEGIN
-
 /* Two helices: gamma, phi and z are linear in theta. */
 static bool build_straight(Transmission *transmission, const Params *p, Fault *fault) {
     const double slope[2] = {transmission->groove[0].gain, transmission->groove[1].gain};
@@ -77,4 +75,3 @@ bool transmission_build(Transmission *transmission, const Params *p, const char 
     return good;
 }
 
-COMPACT_END

@@ -93,7 +93,7 @@ static void set_allowed(const Fit *fit, const double steepest[2], const double r
 /* On a dwell of a table the slope is 0 at all inner nodes. The knots at its ends are known to a rounding, past which the
  * slope has begun to rise. The polynomial would carry this rise, some 1e-50 m/rad, all over the dwell, where a contact
  * that friction locks under a slope > 0 would jam. */
-COMPACT static void level_dwells(NodeSamples *samples) {
+static void level_dwells(NodeSamples *samples) {
     for (int i = 0; i < 3; i++) {
         double steepest = 0.0;
         for (int j = 1; j < N; j++) steepest = max_of(steepest, samples->value[i][j]);
@@ -121,8 +121,6 @@ static bool sample_nodes(Fit *fit, const TransmissionPiece *piece, NodeSamples *
     set_allowed(fit, steepest, rounding, samples);
     return true;
 }
-
-COMPACT_BEGIN
 
 /* ---- polynomials of one piece ---- */
 
@@ -201,7 +199,7 @@ static bool meets_neighbours(const TransmissionPiece *piece, const NodeSamples *
 typedef enum { PIECE_ACCURATE, PIECE_TOO_WIDE, PIECE_UNDETERMINED /* nothing fixes the pin */ } PieceQuality;
 
 /* Fills the polynomials of a piece whose ends are set. */
-COMPACT static PieceQuality fit_piece(Fit *fit, TransmissionPiece *piece) {
+static PieceQuality fit_piece(Fit *fit, TransmissionPiece *piece) {
     NodeSamples samples;
     if (!sample_nodes(fit, piece, &samples)) return PIECE_UNDETERMINED;
     bool good = set_height(&fit->basis, &samples, piece);
@@ -260,4 +258,3 @@ bool transmission_fit(Transmission *transmission, const Params *p, Fault *fault)
     return good;
 }
 
-COMPACT_END

@@ -12,7 +12,7 @@
 enum { NO_FLANKS_BEAR = 4 }; /* flank_branch() is 0 to 3 */
 
 void band_edge_at(const BandEdge *edge, double x, EdgePoint *out) {
-    contact_statics_count(edge->work, edge->params);
+    work_add(edge->work, 1);
     out->statics = contact_statics_at(edge->params, edge->piece, x);
     out->F_0 = spring_force(&edge->params->spring, out->statics.z) + edge->F_ext;
     out->finite = contact_statics_on_edge(&out->statics, edge->direction, out->F_0, &out->forces);

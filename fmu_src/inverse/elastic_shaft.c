@@ -81,7 +81,7 @@ void elastic_shaft_state(const ElasticCam *cam, double theta, double omega, Elas
     for (int i = 0; i < 2; i++) {
         const double frictionless = point.F_0 * g->dpsi_dtheta[i] / g->radius[i];
         out->reaction[i] = (moves && point.finite ? point.forces.x[i] : frictionless) * cam_length(g, i) / p->contacts;
-        if (!moves) g->friction[i] = friction_at_rest(&p->cam[i], out->reaction[i]);
+        if (!moves) g->friction[i] = friction_at_rest(&p->cam[i], fabs(out->reaction[i]));
     }
 }
 

@@ -4,6 +4,7 @@
 #include <stdio.h>
 
 #include "contact/check.h"
+#include "contact/domain.h"
 #include "inverse/elastic_shaft.h"
 #include "inverse/elastic_shaft_step.h"
 #include "inverse/rigid_shaft.h"
@@ -15,14 +16,15 @@
 
 static bool check_inverse(const Params *p, Fault *fault) {
     return check_params(p, fault) && (!(p->shaft.stiffness > 0.0) ||
-                                      check_falling_friction(p, "with an elastic shaft", "shaft.stiffness = 0", fault));
+                                      check_speed_friction(p, "with an elastic shaft", "shaft.stiffness = 0", fault));
 }
 
 bool inverse_rebuild(Inverse *m, Fault *fault) {
     FrictionTables tables;
     if (!friction_tables_load(&m->params, &m->friction, m->resources, &tables, fault)) return false;
     const bool good =
-        check_inverse(&m->params, fault) && check_transmission(&m->params, m->resources, &m->transmission, fault);
+        check_inverse(&m->params, fault) && check_transmission(&m->params, m->resources, m->state.F_ext_at_start,
+                                                               domain_check_loading, &m->transmission, fault);
     friction_tables_settle(&m->params, &m->friction, &tables, good);
     return good;
 }
@@ -44,6 +46,7 @@ static bool describe_start(const Inverse *m, Fault *fault) {
 }
 
 bool inverse_start(Inverse *m, Fault *fault) {
+    const double F_ext = m->state.F_ext_at_start = m->inputs.F_ext[0];
     if (!inverse_rebuild(m, fault) || !inverse_reaches(m, m->inputs.theta[0], fault)) return false;
     const double theta = m->inputs.theta[0], omega = m->inputs.omega[0];
     m->state = (InverseState){
@@ -52,6 +55,8 @@ bool inverse_start(Inverse *m, Fault *fault) {
         .cam = has_elastic_shaft(m) ? elastic_shaft_start(m) : theta,
         .mode = rigid_shaft_mode(omega),
         .direction = omega < 0.0 ? -1 : 1,
+        .F_ext_at_start = F_ext,
+        .friction_class = domain_class(&m->params, &m->transmission, F_ext),
     };
     if (has_elastic_shaft(m)) {
         ElasticShaftState shaft;
@@ -64,11 +69,13 @@ bool inverse_start(Inverse *m, Fault *fault) {
 }
 
 bool inverse_retune(Inverse *m, const Params *params, Fault *fault) {
-    if (!check_inverse(params, fault) || !check_jam(params, &m->transmission, fault)) return false;
+    const double F_ext = m->state.F_ext_at_start;
+    if (!check_inverse(params, fault) || !domain_check_loading(params, &m->transmission, F_ext, fault)) return false;
     const double z = transmission_z(&m->transmission, m->state.cam);
     const double jump = spring_energy(&params->spring, z) - spring_energy(&m->params.spring, z);
     if (m->params.ledger && jump != 0.0) sum_add(&m->state.ledger.work_tuning, jump);
     m->params = *params;
+    m->state.friction_class = domain_class(params, &m->transmission, F_ext);
     return true;
 }
 

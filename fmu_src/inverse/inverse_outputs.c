@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "contact/loaded_contacts.h"
+#include "contact/contact.h"
 #include "inverse/elastic_shaft.h"
 #include "inverse/rigid_shaft.h"
 #include "model/elements.h"
@@ -105,9 +105,11 @@ bool inverse_load_outputs(const Inverse *m, InverseLoadOutputs *out, Fault *faul
     if (!inverse_reaches(m, m->inputs.theta[0], fault)) return false;
     const CamState cam = present_cam(m);
     const Geometry *g = &cam.statics.geometry;
+    Geometry at_rest = *g;
     const double z = transmission_z(&m->transmission, cam.theta);
     const double spring = spring_force(&m->params.spring, z), F_0 = spring + m->inputs.F_ext[0];
-    const BandFactors band = contact_band_under(&m->params, g, fabs(F_0), NULL);
+    cam_set_load(&m->params, F_0, &at_rest);
+    const BandFactors band = contact_band(&at_rest);
     const double load = F_0 < 0.0 ? band.release : band.load, release = F_0 < 0.0 ? band.load : band.release;
     *out = (InverseLoadOutputs){
         .theta_cam = cam.theta,
@@ -120,6 +122,7 @@ bool inverse_load_outputs(const Inverse *m, InverseLoadOutputs *out, Fault *faul
         .torque_release = edge_torque(release, F_0),
         .efficiency = efficiency_of(&m->params, load, release, F_0),
         .mode = (int)cam.mode,
+        .friction_class = (int)m->state.friction_class,
         .events = m->state.events,
     };
     return true;

@@ -23,6 +23,7 @@ typedef struct {
     double torque_release;   /* N.m, lower edge of the stick band; -inf: wedged */
     double efficiency;       /* torque_release / torque_load */
     int mode;                /* Mode */
+    int friction_class;      /* FrictionClass */
     int64_t events;
 } InverseLoadOutputs;
 

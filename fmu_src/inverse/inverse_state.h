@@ -7,6 +7,7 @@
 
 #include "geometry/transmission.h"
 #include "inverse/imposed_motion.h"
+#include "contact/domain.h"
 #include "model/friction_table_load.h"
 #include "model/ledger.h"
 #include "model/mode.h"
@@ -19,6 +20,8 @@ typedef struct {
     double omega;      /* rad/s, the imposed speed */
     double cam;        /* rad, angle of cam 2; equal to theta where the shaft is rigid */
     int64_t events;    /* number of mode changes so far */
+    double F_ext_at_start;  /* N, under which the friction class was found (contact/domain.h) */
+    int64_t friction_class; /* FrictionClass */
     Mode mode;         /* rigid shaft: stick (omega = 0), loading or releasing; elastic shaft: the mode of cam 2 */
     int32_t direction; /* of the last motion, +1 or -1 */
     Ledger ledger;

@@ -46,8 +46,9 @@ static Load load_of(const Params *p, const ContactStatics *statics, const Operat
 bool rigid_shaft_required_torque(const Params *p, const TransmissionPiece *piece, const OperatingPoint *at,
                                  RequiredTorque *out) {
     out->statics = contact_statics_at(p, piece, at->theta);
-    contact_statics_set_speed(p, at->omega, &out->statics);
     out->damper = damper_force(&p->damper, at->direction, out->statics.geometry.dz_dtheta * at->omega);
+    const double force = spring_force(&p->spring, out->statics.z) + at->F_ext + out->damper;
+    contact_statics_set_motion(p, at->omega, force, &out->statics);
     out->load = load_of(p, &out->statics, at, out->damper);
     if (!contact_statics_forces(&out->statics, at->direction, &out->load, &out->forces)) return false;
     out->tau = out->forces.torque + p->shaft.damping * at->omega + p->inertia.shaft * at->alpha;

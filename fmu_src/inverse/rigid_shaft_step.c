@@ -46,7 +46,7 @@ static void motion_integrand(const void *scene, double s, QuadratureSample *out)
     const OperatingPoint at = operating_point_on(part, s);
     RequiredTorque required;
     *out = (QuadratureSample){.branch = -1};
-    contact_statics_count(part->m->work, p);
+    work_add(part->m->work, 1);
     if (work_is_spent(part->m->work) || !rigid_shaft_required_torque(p, part->piece, &at, &required)) return;
     const double dtheta_ds = bernstein_value(&part->motion->dtheta_ds, s);
     const Geometry *g = &required.statics.geometry;
@@ -70,7 +70,7 @@ static void sliding_integrand(const void *scene, double s, QuadratureSample *out
     RequiredTorque required;
     const Params *p = &part->m->params;
     *out = (QuadratureSample){.branch = -1};
-    contact_statics_count(part->m->work, p);
+    work_add(part->m->work, 1);
     if (work_is_spent(part->m->work) || !rigid_shaft_required_torque(p, part->piece, &at, &required)) return;
     const double dtheta_ds = fabs(bernstein_value(&part->motion->dtheta_ds, s));
     out->branch = flank_branch(required.forces.flank);
@@ -225,7 +225,7 @@ static double fastest_allowed(const Params *p) {
     return p->tolerance * (p->stop.upper - p->stop.lower) / DBL_EPSILON;
 }
 
-COMPACT static void describe_swing(const Inverse *m, const ImposedMotion *motion, double omega, Fault *fault) {
+static void describe_swing(const Inverse *m, const ImposedMotion *motion, double omega, Fault *fault) {
     snprintf(fault->text, sizeof fault->text,
              "step of %s s to theta = %s, omega = %s: the imposed motion swings beyond the stops at up to %.3g rad per "
              "step, too fast for the tolerance; allowed are %.3g rad per step, as with a shorter step or a smaller "

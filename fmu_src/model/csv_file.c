@@ -9,8 +9,6 @@
 #include "numerics/tolerances.h"
 #include "platform/attributes.h"
 
-COMPACT_BEGIN
-
 enum { QUOTED_LINE = 40, NUMBER_SIZE = 64 };
 
 static const char BYTE_ORDER_MARK[] = "\xEF\xBB\xBF";
@@ -215,7 +213,7 @@ bool csv_at_end(const CsvFile *csv) {
     return is_blank((Span){csv->at, csv->end});
 }
 
-COMPACT int csv_header(CsvFile *csv, const char *const header[], int count) {
+int csv_header(CsvFile *csv, const char *const header[], int count) {
     const size_t mark = sizeof BYTE_ORDER_MARK - 1;
     if ((size_t)(csv->end - csv->at) >= mark && memcmp(csv->at, BYTE_ORDER_MARK, mark) == 0) csv->at += mark;
     const Span line = read_line(csv);
@@ -228,7 +226,7 @@ COMPACT int csv_header(CsvFile *csv, const char *const header[], int count) {
     return -1;
 }
 
-COMPACT bool csv_row(CsvFile *csv, int columns, const char *form, double value[]) {
+bool csv_row(CsvFile *csv, int columns, const char *form, double value[]) {
     const Span line = read_line(csv);
     bool good = true;
     const char *begin = line.begin;
@@ -244,4 +242,3 @@ COMPACT bool csv_row(CsvFile *csv, int columns, const char *form, double value[]
     return good || csv_refuse(csv, "line %zu, \"%s\", must be %s", csv->line, quoted_line(line, text), form);
 }
 
-COMPACT_END

@@ -1,14 +1,14 @@
-/* A friction law by samples: the friction coefficient mu over the sliding speed v, and perhaps over the reaction R of one
- * contact, from a CSV file (friction_table_load.h).
+/* A friction law by samples: the friction coefficient mu over the sliding speed v, and perhaps over the nominal load N of
+ * one contact (friction_law.h), from a CSV file (friction_table_load.h).
  *
- * For each load R_k the samples (v_j, ln mu_jk) are joined by the curve of sampled_curve.h, with d = c = 0 at the last
+ * For each load N_k the samples (v_j, ln mu_jk) are joined by the curve of sampled_curve.h, with d = c = 0 at the last
  * sample:
  *     u_k(v) = ln mu_jk + c_1 t + ... + c_5 t^5    t = (v - v_j)/(v_{j+1} - v_j) in [0, 1)
- * and u_k is constant beyond the last speed. With one load mu = exp(u_0). With more, ln mu over ln R is the natural cubic
- * spline through (ln R_k, u_k(v)), whose second derivatives are linear in u_k, and a straight line beyond the first and
- * the last load: mu continues as a power of R (C. de Boor, A Practical Guide to Splines, chapter IV). So mu is twice
- * continuously differentiable and never negative. Over the speed mu grows or falls nowhere else than the samples do.
- * Third derivatives jump at the samples; collocation steps end there. */
+ * and u_k is constant beyond the last speed. With one load mu = exp(u_0). With more, ln mu over ln N is the cubic spline
+ * through (ln N_k, u_k(v)) with slope zero at the first and the last load, whose second derivatives are linear in u_k (C. de
+ * Boor, A Practical Guide to Splines, chapter IV). Beyond these loads mu stays at the last value. So mu is once, between
+ * its ends twice continuously differentiable and never negative. Over the speed mu grows or falls nowhere else than the
+ * samples do. Higher derivatives jump at the samples; collocation steps end there. */
 #ifndef DUALCAM_FRICTION_TABLE_H
 #define DUALCAM_FRICTION_TABLE_H
 
@@ -46,9 +46,8 @@ typedef struct {
     bool is_flat; /* from t = -1/4 to t = 5/4 the powers of t add up to a number that vector2_exp_small() takes */
 } FrictionPiece;
 
-/* ln mu on one piece of the speed from one load to the next: sum_m b^m sum_n c[m][n] t^n with b = (ln R/R_1 - from) per.
- * Below the first load and beyond the last one c[2] = c[3] = 0 and per = 1. An iteration may look at b from `low` to
- * `high`. */
+/* ln mu on one piece of the speed from one load to the next: sum_m b^m sum_n c[m][n] t^n with b = (ln N - from) per. An
+ * iteration may look at b from `low` to `high`: beyond the first and the last load b stays. */
 typedef struct {
     Vector2 c[4][6];
     Vector2 from, per, low, high;
@@ -64,22 +63,17 @@ struct FrictionTable {
     double load[FRICTION_LOADS_MAX + 1];   /* N: 0, then the loads */
     double log_load[FRICTION_LOADS_MAX];
     double bend[FRICTION_LOADS_MAX][FRICTION_LOADS_MAX]; /* second derivative of the spline at load k, per u_l */
-    FrictionPatch *patch; /* owned; only with more than one load: loads + 1 of the first piece, then of the next */
+    FrictionPatch *patch; /* owned; only with more than one load: loads - 1 of the first piece, then of the next */
     double at_rest;       /* mu(0+), at the middle one of the loads */
-    double falls_at;      /* m/s, the first sample with a smaller mu than the sample before; NAN: none */
+    double largest;       /* mu of a sample */
     char path[];          /* of the file */
 };
 
 typedef struct {
     double value;
     double by_speed; /* s/m, dmu/dv */
+    double by_load;  /* 1/N, dmu/dN */
 } FrictionCoefficient;
-
-typedef struct {
-    double value;
-    double by_speed; /* s/m, dmu/dv */
-    double by_load;  /* 1/N, dmu/dR */
-} LoadedFriction;
 
 /* The greatest index k of low, ..., low + count - 1 with knot[k] <= x; low for smaller x. */
 static inline size_t friction_table_find(const double *knot, size_t low, size_t count, double x) {
@@ -110,35 +104,30 @@ static inline const FrictionPiece *friction_table_piece(const FrictionTable *tab
     return &table->middle[friction_table_sample(table, v)];
 }
 
-/* The span of the load R: 0 below the first load. */
-static inline size_t friction_table_span(const FrictionTable *table, double R) {
-    return friction_table_find(table->load, 0, table->loads + 1, R);
+/* The span of the load N, which lasts to the next load; beyond the loads the first or the last one. */
+static inline size_t friction_table_span(const FrictionTable *table, double N) {
+    return friction_table_find(table->load + 1, 0, table->loads - 1, N);
 }
 
 static inline const FrictionPatch *friction_table_patch(const FrictionTable *table, const FrictionPiece *piece,
                                                         size_t span) {
-    return &table->patch[(size_t)(piece - table->middle) * (table->loads + 1) + span];
+    return &table->patch[(size_t)(piece - table->middle) * (table->loads - 1) + span];
 }
 
 /* Of knot k and the next; knot 0 is 0, where no step ends. */
 KnotCell friction_table_cell(const double *knot, size_t last, size_t k);
 
-/* At the middle one of the loads. Below v = 0, at which an iteration may look, the first piece continues for a quarter
- * of its width. */
-FrictionCoefficient friction_table_at(const FrictionTable *table, double v);
+/* N >= 0, N, of one contact. Below v = 0, at which an iteration may look, the first piece continues for a quarter of its
+ * width. */
+FrictionCoefficient friction_table_at(const FrictionTable *table, double v, double N);
 
-/* R >= 0, N, of one contact; there is more than one load. Below LEVEL_LOG_FROM of the first load mu levels off. */
-LoadedFriction friction_table_under(const FrictionTable *table, double v, double R);
-
-/* mu along a motion with the sliding speed v and the reaction R; with one load R is not used. */
-Jet friction_table_along(const FrictionTable *table, const Jet *v, const Jet *R);
+/* mu along a motion with the sliding speed v and the square of the nominal load; with one load that is not used. */
+Jet friction_table_along(const FrictionTable *table, const Jet *v, const Jet *load2);
 
 /* The share of a change of speed, or of the load, from `from` to `to` after which a step is to end, since a sample lies
  * between both; 1: the step may reach `to`. `overshoot`: share of a piece's width by which a step may pass a sample. */
 double friction_table_share(const FrictionTable *table, double overshoot, double from, double to);
 double friction_table_load_share(const FrictionTable *table, double overshoot, double from, double to);
-/* The same for the load, N, below which a law without a table levels off. */
-double friction_level_share(double level, double overshoot, double from, double to);
 
 /* How far steps go from places x in two cells, both up or both down. */
 typedef struct {

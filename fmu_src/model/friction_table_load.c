@@ -13,8 +13,6 @@
 #include "platform/attributes.h"
 #include "platform/memory.h"
 
-COMPACT_BEGIN
-
 /* One line of the file. */
 typedef struct {
     double v, R; /* m/s, N; R = 0 where the file has no loads */
@@ -159,8 +157,8 @@ static bool fill_load(FrictionTable *table, FrictionSamples *s, size_t k) {
         const FrictionPiece piece = pieces[j] = piece_of(s, first + j);
         pieces[j].cell = friction_table_cell(table->speed, table->count, j);
         for (int n = 0; n < 5; n++) sum += fabs(piece.c[n][0]) * piece.per_width[0];
-        if (isnan(table->falls_at) && sample[j + 1].mu < sample[j].mu) table->falls_at = sample[j + 1].v;
     }
+    for (size_t j = 0; j <= table->count; j++) table->largest = max_of(table->largest, sample[j].mu);
     const FrictionSample *end = &sample[table->count];
     pieces[table->count] = (FrictionPiece){.cell = friction_table_cell(table->speed, table->count, table->count),
                                            .lower = both(end->v),
@@ -172,27 +170,31 @@ static bool fill_load(FrictionTable *table, FrictionSamples *s, size_t k) {
 
 /* ---- the spline over the load ---- */
 
-/* The second derivatives M of the natural cubic spline through values u at the points x are linear in u:
+/* The second derivatives M of the cubic spline through values u at the points x are linear in u:
  *     h_{k-1} M_{k-1} + 2 (h_{k-1} + h_k) M_k + h_k M_{k+1} = 6 ((u_{k+1} - u_k)/h_k - (u_k - u_{k-1})/h_{k-1})
- * with M = 0 at both ends. Elimination without pivots, for the system is dominated by its diagonal. */
+ * Slope zero at an end leaves out what lies beyond the end. Elimination without pivots, for the system is dominated by its
+ * diagonal. */
 static void fill_bends(FrictionTable *table) {
     const double *x = table->log_load;
+    const size_t last = table->loads - 1;
     double diagonal[FRICTION_LOADS_MAX];
-    for (size_t k = 1; k + 1 < table->loads; k++) { /* at most one turn per load */
-        const double below = x[k] - x[k - 1], above = x[k + 1] - x[k];
+    for (size_t k = 0; k <= last; k++) { /* at most one turn per load */
+        const double below = k > 0 ? x[k] - x[k - 1] : 0.0, above = k < last ? x[k + 1] - x[k] : 0.0;
         double *row = table->bend[k];
-        row[k - 1] = 6.0 / below;
-        row[k] = -6.0 / below - 6.0 / above;
-        row[k + 1] = 6.0 / above;
+        if (k > 0) row[k - 1] = 6.0 / below;
+        if (k < last) row[k + 1] = 6.0 / above;
+        row[k] = (k > 0 ? -6.0 / below : 0.0) - (k < last ? 6.0 / above : 0.0);
         diagonal[k] = 2.0 * (below + above);
-        if (k == 1) continue;
+        if (k == 0) continue;
         const double factor = below / diagonal[k - 1];
         diagonal[k] -= factor * below;
-        for (size_t l = 0; l < table->loads; l++) row[l] -= factor * table->bend[k - 1][l];
+        for (size_t l = 0; l <= last; l++) row[l] -= factor * table->bend[k - 1][l];
     }
-    for (size_t k = table->loads - 1; k-- > 1;) /* at most one turn per load */
-        for (size_t l = 0; l < table->loads; l++)
-            table->bend[k][l] = (table->bend[k][l] - (x[k + 1] - x[k]) * table->bend[k + 1][l]) / diagonal[k];
+    for (size_t k = last + 1; k-- > 0;) { /* at most one turn per load */
+        const double above = k < last ? x[k + 1] - x[k] : 0.0;
+        for (size_t l = 0; l <= last; l++)
+            table->bend[k][l] = (table->bend[k][l] - (k < last ? above * table->bend[k + 1][l] : 0.0)) / diagonal[k];
+    }
 }
 
 /* Adds `factor` times u_k, or the second derivative of the spline at load k, as powers of t. */
@@ -206,9 +208,10 @@ static void add_bend(const FrictionTable *table, size_t k, size_t j, double fact
     for (size_t l = 0; l < table->loads; l++) add_curve(table, l, j, factor * table->bend[k][l], c);
 }
 
-/* From load k to load k + 1, a distance h in ln R: the spline by powers of b. */
-static void fill_inner_patch(const FrictionTable *table, size_t k, size_t j, double h, double c[4][6]) {
-    const double sixth = h * h / 6.0;
+/* From load k to load k + 1: the spline by powers of b. */
+static void fill_patch(FrictionTable *table, size_t k, size_t j) {
+    double c[4][6] = {{0.0}};
+    const double *x = table->log_load, h = x[k + 1] - x[k], sixth = h * h / 6.0;
     add_curve(table, k, j, 1.0, c[0]);
     add_curve(table, k + 1, j, 1.0, c[1]);
     add_curve(table, k, j, -1.0, c[1]);
@@ -217,37 +220,17 @@ static void fill_inner_patch(const FrictionTable *table, size_t k, size_t j, dou
     add_bend(table, k, j, 3.0 * sixth, c[2]);
     add_bend(table, k + 1, j, sixth, c[3]);
     add_bend(table, k, j, -sixth, c[3]);
-}
-
-/* The straight line that continues the spline with its slope per ln R at the first or the last load. */
-static void fill_outer_patch(const FrictionTable *table, bool is_last, size_t j, double c[4][6]) {
-    const size_t k = is_last ? table->loads - 2 : 0;
-    const double h = table->log_load[k + 1] - table->log_load[k];
-    add_curve(table, is_last ? k + 1 : k, j, 1.0, c[0]);
-    add_curve(table, k + 1, j, 1.0 / h, c[1]);
-    add_curve(table, k, j, -1.0 / h, c[1]);
-    add_bend(table, k, j, (is_last ? 1.0 : -2.0) * h / 6.0, c[1]);
-    add_bend(table, k + 1, j, (is_last ? 2.0 : -1.0) * h / 6.0, c[1]);
-}
-
-static void fill_patch(FrictionTable *table, size_t k, size_t j) {
-    double c[4][6] = {{0.0}};
-    const double *x = table->log_load;
-    const bool is_inner = k > 0 && k < table->loads;
-    const double width = is_inner ? x[k] - x[k - 1] : 1.0;
-    if (is_inner) fill_inner_patch(table, k - 1, j, width, c);
-    else fill_outer_patch(table, k > 0, j, c);
-    FrictionPatch *patch = &table->patch[j * (table->loads + 1) + k];
-    patch->from = both(x[k > 0 ? k - 1 : 0] - x[0]);
-    patch->per = both(1.0 / width);
-    patch->low = both(k > 0 ? -0.25 : -INFINITY);
-    patch->high = both(is_inner ? 1.25 : k > 0 ? INFINITY : 0.25);
+    FrictionPatch *patch = &table->patch[j * (table->loads - 1) + k];
+    patch->from = both(x[k]);
+    patch->per = both(1.0 / h);
+    patch->low = both(k > 0 ? -0.25 : 0.0);
+    patch->high = both(k + 2 < table->loads ? 1.25 : 1.0);
     for (int m = 0; m < 4; m++)
         for (int n = 0; n < 6; n++) patch->c[m][n] = both(c[m][n]);
 }
 
 static void fill_patches(FrictionTable *table) {
-    for (size_t k = 0; k <= table->loads; k++)
+    for (size_t k = 0; k + 1 < table->loads; k++)
         for (size_t j = 0; j <= table->count; j++) fill_patch(table, k, j);
 }
 
@@ -287,8 +270,10 @@ static bool fill(FrictionTable *table, FrictionSamples *s) {
     table->middle = &table->piece[s->loads / 2 * s->speeds];
     table->at_rest = table->middle->mu[0];
     fill_buckets(table);
-    if (s->loads > 2) fill_bends(table);
-    if (s->loads > 1) fill_patches(table);
+    if (s->loads > 1) {
+        fill_bends(table);
+        fill_patches(table);
+    }
     return true;
 }
 
@@ -310,9 +295,8 @@ static FrictionTable *build(const CsvFile *csv, FrictionSamples *s) {
             .count = count,
             .loads = s->loads,
             .piece = memory_new(s->count * sizeof(FrictionPiece)),
-            .patch = memory_new(s->loads > 1 ? (s->count + s->speeds) * sizeof(FrictionPatch) : 0),
+            .patch = memory_new((s->count - s->speeds) * sizeof(FrictionPatch)),
             .speed = malloc(s->speeds * sizeof(double)),
-            .falls_at = NAN,
         };
         memcpy(table->path, csv->path, size);
         if (table->piece && table->patch && table->speed && fill(table, s)) return table;
@@ -345,7 +329,7 @@ static void free_unless_in(const FrictionTables *kept, FrictionTables *tables) {
         if (tables->table[i] != kept->table[i]) free_table(tables->table[i]);
 }
 
-COMPACT bool friction_tables_load(Params *params, const FrictionTables *now, const char *resources,
+bool friction_tables_load(Params *params, const FrictionTables *now, const char *resources,
                                   FrictionTables *made, Fault *fault) {
     *made = (FrictionTables){.table = {NULL, NULL}};
     for (int i = 0; i < 2; i++) {
@@ -374,4 +358,3 @@ void friction_tables_free(FrictionTables *tables) {
     }
 }
 
-COMPACT_END

@@ -33,7 +33,7 @@ void ledger_book_wear(Ledger *ledger, const Booking *booking) {
     for (int i = 0; i < 2; i++) sum_add(&ledger->wear[i], booking->wear[i]);
 }
 
-COMPACT double ledger_residual(const Ledger *ledger, double stored) {
+double ledger_residual(const Ledger *ledger, double stored) {
     const Sum *sink[] = {&ledger->work_ext,    &ledger->heat_cam[0], &ledger->heat_cam[1],
                          &ledger->heat_damper, &ledger->heat_shaft,  &ledger->heat_stop};
     Sum residual = ledger->work_in;

@@ -70,7 +70,7 @@ static void shrink_all(const CurveSamples *s, CurveKnot *knot) {
     }
 }
 
-COMPACT void curve_knots(const CurveSamples *s, bool level_end, CurveKnot *knot) {
+void curve_knots(const CurveSamples *s, bool level_end, CurveKnot *knot) {
     for (size_t j = 0; j < s->count; j++) knot[j] = bounded(s, j, estimate(s, j));
     if (level_end) knot[s->count - 1] = (CurveKnot){0.0, 0.0};
     shrink_all(s, knot);

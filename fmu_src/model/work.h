@@ -8,14 +8,13 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Evaluations at most: about two seconds, 0.1 to 0.2 us each. What the decision and the proposal of a segment count for, and a
- * balance where friction depends on the load, whose iterations count besides. */
-enum { MAX_WORK = 10000000, WORK_OF_SEGMENT = 20, WORK_OF_LOADED_BALANCE = 2 };
+/* Evaluations at most: about two seconds, 0.1 to 0.2 us each. What the decision and the proposal of a segment count for. */
+enum { MAX_WORK = 10000000, WORK_OF_SEGMENT = 20 };
 
 /* A step that needs more segments is refused. The limit bounds a step to about two seconds: a segment takes 15 us where
- * friction varies with the speed, 95 us where it depends on the load. Bounces with a restitution near 1, vibrations of a
+ * friction varies. Bounces with a restitution near 1, vibrations of a
  * tiny inertia, and long steps through stiff motion reach the limit. */
-enum { MAX_SEGMENTS_PER_STEP = 100000, MAX_LOADED_SEGMENTS_PER_STEP = 20000 };
+enum { MAX_SEGMENTS_PER_STEP = 100000 };
 
 /* Stall guard: STALL_GUARD_SEGMENTS segments must advance time by the share STALL_GUARD_PROGRESS of the step, else the
  * step is refused. Segments as short as the rounding of time would otherwise keep a step busy for minutes. */

@@ -112,7 +112,6 @@ double bernstein_descent(const Bernstein *p) {
     return descent(&q, 0);
 }
 
-COMPACT_BEGIN
 /* The sign of the first (step 1) or last (step -1) coefficient that is not zero, or 0. */
 static int outer_sign(const Bernstein *p, int step) {
     for (int i = step > 0 ? 0 : p->degree; i >= 0 && i <= p->degree; i += step) /* at most BERNSTEIN_MAX + 1 turns */
@@ -148,8 +147,6 @@ static int collect_crossings(const Bernstein *p, double from, double width, int 
 int bernstein_crossings(const Bernstein *p, double x[BERNSTEIN_MAX]) {
     return collect_crossings(p, 0.0, 1.0, 0, x, 0);
 }
-COMPACT_END
-
 Bernstein bernstein_derivative(const Bernstein *p) {
     Bernstein d = {.degree = p->degree > 0 ? p->degree - 1 : 0};
     for (int i = 0; i < p->degree; i++) d.c[i] = p->degree * (p->c[i + 1] - p->c[i]);
@@ -187,7 +184,6 @@ Bernstein bernstein_of_taylor(const double u[4], double t_end) {
     };
 }
 
-COMPACT_BEGIN
 /* The sign of the first derivative of u that is not zero: u moves that way at first. */
 static int first_direction(const double u[4]) {
     for (int k = 1; k <= 3; k++)
@@ -237,4 +233,3 @@ int taylor_leaving_sign(const double u[4], double width) {
     }
     return direction;
 }
-COMPACT_END

@@ -30,7 +30,7 @@ static void build_monomials(ChebyshevBasis *basis) {
     }
 }
 
-COMPACT void chebyshev_build(ChebyshevBasis *basis) {
+void chebyshev_build(ChebyshevBasis *basis) {
     const double degree = N;
     double cosine[2 * N];
     for (int j = 0; j < 2 * N; j++) cosine[j] = elementary_sin_cos(PI * j / degree).cos;

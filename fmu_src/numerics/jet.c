@@ -16,14 +16,14 @@ NOINLINE Jet jet_of_derivatives(const double u[JET_TERMS]) {
     return a;
 }
 
-COMPACT Jet jet_line(Dual offset, Dual factor, const Jet *a) {
+Jet jet_line(Dual offset, Dual factor, const Jet *a) {
     Jet line;
     for (int k = 0; k < JET_TERMS; k++) line.c[k] = dual_multiply(factor, a->c[k]);
     line.c[0] = dual_add(line.c[0], offset);
     return line;
 }
 
-COMPACT void jet_add_product(Jet *sum, double factor, const Jet *a, const Jet *b) {
+void jet_add_product(Jet *sum, double factor, const Jet *a, const Jet *b) {
     for (int k = 0; k < JET_TERMS; k++)
         for (int j = 0; j <= k; j++)
             sum->c[k] = dual_add(sum->c[k], dual_scale(factor, dual_multiply(a->c[j], b->c[k - j])));
@@ -33,7 +33,7 @@ NOINLINE void jet_add_scaled(Jet *sum, double factor, const Jet *a) {
     for (int k = 0; k < JET_TERMS; k++) sum->c[k] = dual_add(sum->c[k], dual_scale(factor, a->c[k]));
 }
 
-COMPACT Jet jet_multiply(const Jet *a, const Jet *b) {
+Jet jet_multiply(const Jet *a, const Jet *b) {
     Jet product = {.c = {{0.0, 0.0}}}; /* a sum from 0 on is never the negative zero */
     for (int k = 0; k < JET_TERMS; k++) {
         for (int j = 0; j <= k; j++) product.c[k] = dual_add(product.c[k], dual_multiply(a->c[j], b->c[k - j]));
@@ -41,7 +41,7 @@ COMPACT Jet jet_multiply(const Jet *a, const Jet *b) {
     return product;
 }
 
-COMPACT Jet jet_divide(const Jet *a, const Jet *b) {
+Jet jet_divide(const Jet *a, const Jet *b) {
     Jet quotient;
     for (int k = 0; k < JET_TERMS; k++) {
         Dual rest = a->c[k];
@@ -53,7 +53,7 @@ COMPACT Jet jet_divide(const Jet *a, const Jet *b) {
 }
 
 /* e = exp a: de/dt = e da/dt, so that k e_k = sum j a_j e_(k-j). */
-COMPACT Jet jet_exp(const Jet *a) {
+Jet jet_exp(const Jet *a) {
     const double start = elementary_exp(a->c[0].value);
     Jet e = {.c = {{start, start * a->c[0].slope}}};
     for (int k = 1; k < JET_TERMS; k++)
@@ -63,7 +63,7 @@ COMPACT Jet jet_exp(const Jet *a) {
 }
 
 /* l = log a: a dl/dt = da/dt, so that l_k is the coefficient of the integral of (da/dt)/a. */
-COMPACT Jet jet_log(const Jet *a) {
+Jet jet_log(const Jet *a) {
     const Jet rate = jet_rate(a), quotient = jet_divide(&rate, a);
     Jet l = {.c = {{elementary_log(a->c[0].value), a->c[0].slope / a->c[0].value}}};
     for (int k = 1; k < JET_TERMS; k++) l.c[k] = dual_scale(1.0 / k, quotient.c[k - 1]);
@@ -71,7 +71,7 @@ COMPACT Jet jet_log(const Jet *a) {
 }
 
 /* s s = a, so that 2 s_0 s_k = a_k less the products of the coefficients between. */
-COMPACT Jet jet_sqrt(const Jet *a) {
+Jet jet_sqrt(const Jet *a) {
     const double start = sqrt(a->c[0].value);
     const Dual twice_inverse = {0.5 / start, -0.25 * a->c[0].slope / (start * a->c[0].value)};
     Jet s = {.c = {{start, 0.5 * a->c[0].slope / start}}};
@@ -89,33 +89,11 @@ NOINLINE Jet jet_rate(const Jet *a) {
     return rate;
 }
 
-COMPACT Jet jet_polynomial(const double *p, int degree, const Jet *x) {
+Jet jet_polynomial(const double *p, int degree, const Jet *x) {
     Jet sum = jet_line((Dual){p[degree - 1], 0.0}, (Dual){p[degree], 0.0}, x);
     for (int k = degree - 2; k >= 0; k--) {
         sum = jet_multiply(&sum, x);
         sum.c[0].value += p[k];
     }
-    return sum;
-}
-
-/* Of u = (q/q_0)^2: (w - w^2/2 + w^3/3 - w^4/4)/2 with w = u - 1, in powers of u. */
-enum { DEGREE = 4 };
-static const double POLYNOMIAL[] = {-25.0 / 24.0, 2.0, -1.5, 2.0 / 3.0, -0.125};
-
-COMPACT Dual level_log(double q) {
-    if (q >= LEVEL_LOG_FROM) return (Dual){elementary_log(q), 1.0 / q};
-    const double per_square = 1.0 / (LEVEL_LOG_FROM * LEVEL_LOG_FROM), u = q * q * per_square;
-    Dual sum = {POLYNOMIAL[DEGREE], 0.0};
-    for (int k = DEGREE - 1; k >= 0; k--) sum = (Dual){POLYNOMIAL[k] + u * sum.value, sum.value + u * sum.slope};
-    return (Dual){elementary_log(LEVEL_LOG_FROM) + sum.value, sum.slope * 2.0 * q * per_square};
-}
-
-COMPACT Jet level_log_along(const Jet *q) {
-    if (q->c[0].value >= LEVEL_LOG_FROM) return jet_log(q);
-    const Dual none = {0.0, 0.0};
-    const Jet square = jet_multiply(q, q),
-              u = jet_line(none, (Dual){1.0 / (LEVEL_LOG_FROM * LEVEL_LOG_FROM), 0.0}, &square);
-    Jet sum = jet_polynomial(POLYNOMIAL, DEGREE, &u);
-    sum.c[0].value += elementary_log(LEVEL_LOG_FROM);
     return sum;
 }

@@ -31,14 +31,6 @@ Jet jet_exp(const Jet *a);
 /* a(0) > 0 */
 Jet jet_log(const Jet *a);
 
-/* A logarithm that levels off towards 0:
- *     l(q) = ln q                                q >= q_0 = LEVEL_LOG_FROM
- *     l(q) = ln q_0 + (w - w^2/2 + w^3/3 - w^4/4)/2        w = (q/q_0)^2 - 1 < 0
- * the first terms of the series of ln q = ln q_0 + ln(1 + w)/2. l is four times continuously differentiable, and, as a
- * function of q^2, smooth at 0. */
-Dual level_log(double q); /* value and derivative */
-Jet level_log_along(const Jet *q);
-
 /* a(0) > 0 */
 Jet jet_sqrt(const Jet *a);
 

@@ -25,9 +25,8 @@ static const double BERNSTEIN_ZERO_WIDTH = 1e-15, BERNSTEIN_PEAK_WIDTH = 1e-10;
 enum { BERNSTEIN_MAX_ITERATIONS = 100 };
 
 /* A polynomial through its values at the start and at the nodes of a collocation method exceeds the range of these
- * values by less than this share of the range: the Lebesgue constants of the nodes are below 2.2. PEAK_SPREAD: of a step,
- * around a peak. */
-static const double BEYOND_NODES = 0.6, PEAK_SPREAD = 0.02;
+ * values by less than this share of the range: the Lebesgue constants of the nodes are below 2.2. */
+static const double BEYOND_NODES = 0.6;
 
 /* root */
 
@@ -124,8 +123,10 @@ enum { TRANSMISSION_MAX_PIECES = 20000 };
 
 /* ---- contact ---- */
 
-/* Samples per piece of the transmission in the search for jams. The pieces of a table, JAM_MANY_PIECES, are short. */
-enum { JAM_SAMPLES = 64, JAM_SAMPLES_OF_MANY = 8, JAM_MANY_PIECES = 64 };
+/* Samples per piece of the transmission in the search for the place that a message names. The pieces of a table,
+ * JAM_MANY_PIECES, are short. Halvings of a piece, in all, in the proof that D > 0: where D all but touches zero, the class is
+ * self-locking. */
+enum { JAM_SAMPLES = 64, JAM_SAMPLES_OF_MANY = 8, JAM_MANY_PIECES = 64, DOMAIN_HALVINGS = 1000 };
 
 /* Share of the terms that add up to a reaction below which the reaction is zero and suits either flank: rounding. */
 static const double REACTION_ROUNDING = 16.0 * DBL_EPSILON;
@@ -154,9 +155,6 @@ static const double OSCILLATOR_SERIES_CUT = 1e-19;
 /* Exponent that a growing solution may reach. exp(2 * 300) is still a finite number, and so is the integral of its
  * square. An excursion above rounding grows past any end stop in that time. */
 static const double OSCILLATOR_MAX_GROWTH = 300.0;
-
-/* m, an edge of the stick band per F_0 that stands for an infinite one: no torque is beyond it, once F_0 has its sign. */
-static const double LINEAR_STEEPEST_EDGE = 1e150;
 
 /* Share of its value at the start below which a derivative at the end of a segment has died away: sign of rounding. */
 static const double LINEAR_DECAYED = 1e-12;
@@ -269,23 +267,22 @@ static const double STEP_MOST_GROWTH = 4.0, STEP_UNSOLVED_SHORTENING = 0.25;
 /* Share of the proposed length above which a step takes over the proposed number of stages. */
 static const double STEP_SIMILAR = 0.5;
 
-/* Of one step; to end the step at a sample of friction; whose errors differ by the share STEP_LEVEL. */
-enum { STEP_TRIALS = 60, STEP_SAMPLE_TRIALS = 8, STEP_LEVEL_TRIALS = 10 };
-static const double STEP_LEVEL = 0.01;
+/* Of one step; to end the step at a sample of friction. */
+enum { STEP_TRIALS = 60, STEP_SAMPLE_TRIALS = 8 };
 
 /* Event location */
 /* Shares: of the step before which a crossing of an indicator that starts from zero is rounding, since the mode decision
  * has found the indicator to rise; of the largest value, below which a value within the step does not count as a dip. */
 static const double CROSSING_AT_ONCE = 1e-9, CROSSING_DIP = 1e-9;
 
+/* Share of the terms of a reaction below which it passes zero together with the other one. */
+static const double CROSSING_TOGETHER = 1e-6;
+
 /* A reaction that the mode decision counts as zero leaves its flank this many times the decision's rounding below zero. */
 static const double CROSSING_ALLOWANCE = 2.0;
 
 /* Share of the largest value of an indicator below which a coefficient of its polynomial is rounding. */
 static const double CROSSING_COEFFICIENT = 1e-14;
-
-/* Share of the torques by which the edge of the stick band must differ from the torque at which the speed is zero. */
-static const double BAND_EDGE_SAME = 1e-12;
 
 /* Share of the step's length below which a change of the length is rounding. */
 static const double LOCATION_ROUNDING = 4.0 * DBL_EPSILON;
@@ -328,9 +325,9 @@ static const double LOBATTO_SHIFT_SHARE = 0.3;
 /* Share of the distance to a breakpoint by which a step that aims at it may miss it. Ratio of the cubic term to the
  * square term, and of that to the linear one, in a motion that four nodes resolve. */
 static const double LOBATTO_AIM_SHARE = 1e-8, LOBATTO_DECAY = 0.3;
-/* Relative errors: of a force per third power of the last change of a load; of a peak per square of the error of its
- * cubic over peak and second derivative. Margin, of tolerance^8, after which a step is not swept again. */
-static const double LOBATTO_LOAD_SHARE = 0.3, LOBATTO_PEAK_SHARE = 10.0, LOBATTO_FAR_OFF = 4.0;
+/* Relative error of a peak per square of the error of its cubic over peak and second derivative. Margin, of tolerance^8,
+ * after which a step is not swept again. */
+static const double LOBATTO_PEAK_SHARE = 10.0, LOBATTO_FAR_OFF = 4.0;
 
 /* Variation of a step */
 
@@ -368,32 +365,16 @@ static const double STICK_MARGIN_TIES = 4.0; /* short of the edge, where modes o
  * torque is beyond the edge by this many ties. */
 static const double STICK_TIES_OF_NO_SLIP = 2.0;
 
-/* A collocation step ends on a change of flanks to its own rounding: this many times the rounding of one balance; the
- * second one where friction varies and contacts let go at a jam, at which Delta, not the load, tells the instant. */
-static const double CANDIDATE_COARSE = 10.0, CANDIDATE_COARSE_VARYING = 1000.0;
-
-/* Contacts whose reactions per axial load exceed this number are at a jam: Delta is zero to rounding. */
-static const double CANDIDATE_AT_JAM = 1e9;
-
-/* CANDIDATE_STEADY: s, a rate that changes a reaction by less than its rounding in this time counts as zero. Where neither
- * a reaction nor its rate tells the flank, the reaction a little later decides: after the share LOOK_AHEAD of the motion's
- * time scale and of a piece of the grooves, and after at most 1e-3 s; from rest, after up to the share LOOK_FARTHER. */
-static const double CANDIDATE_STEADY = 1.0, CANDIDATE_LOOK_AHEAD = 1e-3, CANDIDATE_LOOK_FARTHER = 0.1;
-static const double CANDIDATE_LOOK_SHORTER = 0.125; /* the next look over this one */
-enum { CANDIDATE_LOOKS = 8 };
+/* A collocation step ends on a change of flanks to its own rounding: this many times the rounding of one balance. Share of
+ * the terms of alpha, or without inertia of omega, below which it is rounding. */
+static const double CANDIDATE_COARSE = 10.0, CANDIDATE_ROUNDING = 1e-11;
 
 /* Rounding of theta, as a share of the largest angle, over REACTION_ZERO_SHARE: a reaction that is smaller than the
  * effect of this rounding counts as zero. */
 static const double CANDIDATE_ANGLE_ROUNDING = 4.0 * DBL_EPSILON / REACTION_ZERO_SHARE;
 
-/* Two reactions vanish together if the one falls to zero within this many times the time in which the other counts as
- * zero. Ahead of a jam, as shares: less than the rounding of theta; more than the rounding of the speed. A pair of flanks
- * is slower than another one if its speed is below this share of the other. */
-static const double VANISH_TOGETHER = 2.0, JAM_ANGLE = 4.0 * DBL_EPSILON, JAM_SPEED = 1e-12, SLOWER = 1.0 - 1e-9;
-
-/* Breakaway: share of the terms of the right-hand side below which an acceleration at the edge of the band is
- * rounding. */
-static const double BREAKAWAY_ROUNDING = 64.0 * DBL_EPSILON;
+/* Breakaway: ties of torque beyond the edge of the band at which a step can resolve the motion. */
+static const double BREAKAWAY_TIES = 8.0;
 
 /* A fold is where the edge of the band stops rising. Nearer to the fold than this share of a piece's width, the
  * rounding of the torques is all that moves theta. The energies that a jump from there leaves out are of its third
@@ -439,12 +420,8 @@ enum { PLAY_PEAK_PARTS = 4, PLAY_GOLDEN_STEPS = 40 };
 /* Play operator: bounds of the work of one jump. 53 bisections of an interval reach two neighbouring numbers. */
 enum { PLAY_MAX_DEPTH = 30, PLAY_MAX_HALVINGS = 5000, PLAY_MAX_BISECTIONS = 200, PLAY_KINK_BISECTIONS = 100 };
 
-/* Along F_0 = 0: halvings of the way ahead toward the end of a locked contact, beyond which its angle is rounding. */
-enum { PLAY_HALVINGS_TO_LOCK = 40 };
-
-/* Moving contacts can jam and let go again at once. Without inertia of the shaft a locked contact can do so for ever,
- * in ever shorter time: rigid bodies under Coulomb friction then have no motion at all (P. Painleve, 1895). */
-enum { MAX_JAMS_PER_STEP = 1000 };
+/* Self-locking contacts can wedge and let go again at once (P. Painleve, 1895). */
+enum { MAX_WEDGES_PER_STEP = 1000 };
 
 /* ---- inverse ---- */
 

@@ -3,22 +3,20 @@
 #include <math.h>
 #include <stddef.h>
 
-#include "contact/loaded_contacts.h"
+#include "contact/contact.h"
 #include "elementary/elementary.h"
 #include "forward/candidate.h"
 #include "forward/stick.h"
 #include "numerics/tolerances.h"
 #include "platform/attributes.h"
 
-COMPACT_BEGIN
-
 bool edge_slip(const Mechanism *m, int direction, SlipMode *slip) {
     const int side = stick_axial_load(m) < 0.0 ? -1 : 1; /* the band is mirrored */
     int flank[2];
     Transfer transfer;
     Geometry g = m->configuration.geometry;
-    if (!contact_edge_under(&m->params, &g, fabs(stick_axial_load(m)), side * direction, flank, &transfer, NULL))
-        return false;
+    cam_set_load(&m->params, stick_axial_load(m), &g);
+    if (!contact_edge(&g, side * direction, flank, &transfer)) return false;
     for (int i = 0; i < 2; i++) flank[i] *= side;
     *slip = slip_mode_from_here(m, slip_index(direction, flank));
     slip->regime = REGIME_RATE_INDEPENDENT;
@@ -87,28 +85,3 @@ void edge_speed_give(const SlipMode *slip, double theta, double omega, Variation
             x->omega[known] += weight[k] * (give(&excess, known) - give(&now, known)) / (12.0 * t);
     }
 }
-
-/* ---- along F_0 = 0 ---- */
-
-bool edge_is_unloaded(const Mechanism *m) {
-    const double slope = spring_rate(&m->params.spring, m->configuration.z) * m->configuration.geometry.dz_dtheta;
-    return stick_is_unloaded(m) && slope < 0.0;
-}
-
-double unloaded_give(const SlipMode *slip, double theta, int known) {
-    const TransmissionPoint point = piece_at(slip->piece, theta);
-    const Geometry g = cam_geometry(slip->params->cam, point.slope);
-    const double slope = spring_rate(&slip->params->spring, point.z) * g.dz_dtheta;
-    return -balance_force_by(slip, (Known)known, 1.0, point.z, 0.0) / slope;
-}
-
-void unloaded_speed_give(const SlipMode *slip, double theta, double omega, Variation *x) {
-    const double t = SENSITIVITY_DIFFERENCE * (slip->piece->upper - slip->piece->lower) / fabs(omega);
-    for (int known = x->first; known < x->end; known++) {
-        x->omega[known] = 0.0;
-        for (int k = 0; k < 4; k++)
-            x->omega[known] += weight[k] * unloaded_give(slip, theta + omega * offset[k] * t, known) / (12.0 * t);
-    }
-}
-
-COMPACT_END

@@ -34,14 +34,4 @@ void edge_delays(const Mechanism *m, int direction, double omega, const Variatio
 /* While theta follows the edge: the changes of the speed. */
 void edge_speed_give(const SlipMode *slip, double theta, double omega, Variation *x);
 
-/* Is theta where F_0 falls to zero along the motion? Where the contacts hold for F_0 of the other sign, theta follows
- * F_0 = 0 (forward/jump.c). */
-bool edge_is_unloaded(const Mechanism *m);
-
-/* The change of such a theta at constant time, -(dF_0/d known)/(dF_s/dz z'). */
-double unloaded_give(const SlipMode *slip, double theta, int known);
-
-/* While theta follows F_0 = 0: the changes of the speed. */
-void unloaded_speed_give(const SlipMode *slip, double theta, double omega, Variation *x);
-
 #endif

@@ -8,8 +8,6 @@
 #include "model/elements.h"
 #include "platform/attributes.h"
 
-COMPACT_BEGIN
-
 /* ---- the imposed motion at the present instant ---- */
 
 static double first_nonzero(double a, double b, double c) {
@@ -153,4 +151,3 @@ void inverse_derivatives(const Inverse *m, InverseDerivatives *out) {
     if (!is_elastic) out->z[0] = required.statics.geometry.dz_dtheta * m->inputs.omega[0];
 }
 
-COMPACT_END

@@ -9,8 +9,6 @@
 #include "model/elements.h"
 #include "platform/attributes.h"
 
-COMPACT_BEGIN
-
 /* The torque makes the equation of motion hold, residual(tau, k) = 0, so
  * d tau/dk = -(d residual/dk)/(d residual/d tau). */
 static void solve_for_torque(const Inverse *m, double theta, int direction, const int flank[2], const Balance *now,
@@ -122,4 +120,3 @@ bool inverse_axial_partials(const Inverse *m, int order, Partials *out, Fault *f
     return true;
 }
 
-COMPACT_END

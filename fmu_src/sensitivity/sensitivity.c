@@ -7,8 +7,6 @@
 #include "forward/outputs.h"
 #include "platform/attributes.h"
 
-COMPACT_BEGIN
-
 /* z(theta) and v = z' omega. */
 NOINLINE void mechanism_axial_partials(const Mechanism *m, int order, Partials *out) {
     const double dz_dtheta = m->configuration.geometry.dz_dtheta;
@@ -57,4 +55,3 @@ bool mechanism_alpha_partials(const Mechanism *m, Partials *out, Fault *fault) {
     return true;
 }
 
-COMPACT_END

@@ -10,8 +10,6 @@
 #include "platform/attributes.h"
 #include "sensitivity/edge_sensitivity.h"
 
-COMPACT_BEGIN
-
 typedef struct {
     Variation x;
     /* s per unit, by which the event just passed comes later; x is taken at the event's own time. Else 0. */
@@ -79,15 +77,6 @@ static void carry_along_edge(const Mechanism *m, const SlipMode *slip, Carried *
     v->late = true;
 }
 
-/* Where F_0 has fallen to zero, at the end of a jump that comes later. */
-static void carry_to_unloaded(const Mechanism *m, int direction, Carried *v) {
-    const int flank[2] = {direction, direction};
-    const SlipMode slip = slip_mode_from_here(m, slip_index(direction, flank));
-    const double theta = m->state.theta.hi, speed = unloaded_give(&slip, theta, KNOWN_F_EXT) * m->inputs.F_ext[1];
-    for (int known = v->x.first; known < v->x.end; known++)
-        v->x.theta[known] = unloaded_give(&slip, theta, known) + speed * v->delay[known];
-}
-
 /* At the end of a jump that comes later by dt, d theta is (d(tau - E) + rate dt)/E'. The rate is that of the torque
  * beyond the edge. */
 static void carry_over_jump(const Mechanism *m, int direction, double duration, Carried *v) {
@@ -95,18 +84,14 @@ static void carry_over_jump(const Mechanism *m, int direction, double duration, 
     v->moved = true;
     if (duration > 0.0) clear_delay(v);
     clear(v->x.theta);
-    if (edge_is_unloaded(m)) {
-        carry_to_unloaded(m, direction, v);
-        return;
-    }
     if (!edge_slip(m, direction, &slip)) return;
     const Excess excess = edge_excess(&slip, m->state.theta.hi);
     edge_give(m, &excess, &v->x);
     for (int known = v->x.first; known < v->x.end; known++) v->x.theta[known] += excess.rhs.value * v->delay[known];
 }
 
-/* At an event, or before cam 2 has moved, a jam ends the motion whatever the variation. */
-static bool carry_through_jam(Carried *v) {
+/* At an event, or before cam 2 has moved, a wedge ends the motion whatever the variation. */
+static bool carry_through_wedge(Carried *v) {
     clear(v->x.omega);
     return v->late || !v->moved;
 }
@@ -136,7 +121,6 @@ static bool carry_along_slip(const Mechanism *m, const Segment *segment, const I
     const RadauStep *step = &segment->location->step;
     SlipMode at_start = slip_mode_of(&m->params, &m->model.transmission, m->model.law, inputs, step->start.theta,
                                      slip.direction, slip.flank);
-    at_start.searches = slip.searches;
     at_start.work = m->work;
     return radau_step_vary(&at_start, step, &v->x);
 }
@@ -146,7 +130,7 @@ static bool carry_along_slip(const Mechanism *m, const Segment *segment, const I
 static bool carry(const Mechanism *m, const Segment *segment, const Inputs *inputs, Mode mode, Carried *v) {
     switch (segment->kind) {
         case SEGMENT_AT_EVENT: return true;
-        case SEGMENT_JAM: return carry_through_jam(v);
+        case SEGMENT_WEDGE: return carry_through_wedge(v);
         case SEGMENT_REST: carry_through_rest(mode, v); return true;
         case SEGMENT_JUMP: carry_over_jump(m, direction_of(mode), segment->duration, v); return true;
         default: return carry_along_slip(m, segment, inputs, v);
@@ -179,7 +163,6 @@ static void find_delay_at_flank(const SlipMode *slip, const Balance *b, Carried 
 /* A stop turns omega into -e omega, or 0; at rest omega is 0. A contact that changes its flank carries no load at that
  * moment, so that alpha does not jump unless the other contact changes its flank as well. */
 static void pass_inertial(const Mechanism *m, EventKind event, double omega, Carried *v) {
-    if (event == EVENT_LET_GO) return; /* the motion is not unique there: no derivative of the instant exists */
     const SlipMode slip = present_slip(m);
     const double returned = finite_or_zero(m->state.omega.hi / omega);
     Balance before;
@@ -227,7 +210,7 @@ static void pass_without_inertia(const Mechanism *m, EventKind event, double ome
 
 /* `omega`: the speed at the event, before the event changed it. */
 static void pass_event(const Mechanism *m, EventKind event, double omega, Carried *v) {
-    if (event == EVENT_NONE || event == EVENT_LOST) return; /* the motion goes on */
+    if (event == EVENT_NONE) return; /* the motion goes on */
     if (has_inertia(&m->params)) pass_inertial(m, event, omega, v);
     else pass_without_inertia(m, event, omega, v);
 }
@@ -277,14 +260,14 @@ static void before_decision(StepVisitor *visitor, const Mechanism *m) {
     c->direction = direction_of(m->state.mode);
 }
 
-COMPACT static double after_decision(StepVisitor *visitor, const Mechanism *m, double left) {
+static double after_decision(StepVisitor *visitor, const Mechanism *m, double left) {
     Carrier *c = (Carrier *)visitor;
     if (c->viscous_slip_ends) end_of_viscous_slip(m, c->omega, c->direction, &c->carried);
     end_delay(m, &c->carried);
     return left;
 }
 
-COMPACT static bool after_segment(StepVisitor *visitor, const Mechanism *m, const Segment *segment,
+static bool after_segment(StepVisitor *visitor, const Mechanism *m, const Segment *segment,
                                   const SegmentPast *past) {
     Carrier *c = (Carrier *)visitor;
     if (!carry(m, segment, &past->inputs, past->mode, &c->carried)) return false;
@@ -310,8 +293,6 @@ static void find_speed(const Mechanism *m, Variation *x) {
     const SlipMode slip = present_slip(m);
     const double omega = m->state.omega.hi;
     if (omega == 0.0) clear(x->omega);
-    else if (slip.regime == REGIME_RATE_INDEPENDENT && edge_is_unloaded(m))
-        unloaded_speed_give(&slip, m->state.theta.hi, omega, x);
     else if (slip.regime == REGIME_RATE_INDEPENDENT) edge_speed_give(&slip, m->state.theta.hi, omega, x);
 }
 
@@ -321,7 +302,7 @@ static void leave_out_peaks(const Params *p, StepSensitivity *out) {
         if (p->cam[i].law.peak == 1.0) out->dtheta[KNOWN_PEAK_1 + i] = out->domega[KNOWN_PEAK_1 + i] = 0.0;
 }
 
-COMPACT void step_sensitivity(const Mechanism *m, bool by_parameters, StepSensitivity *out) {
+void step_sensitivity(const Mechanism *m, bool by_parameters, StepSensitivity *out) {
     Mechanism again = *m; /* the transmission is m's own: not to be freed */
     Carrier c = {.visitor = {before_decision, after_decision, after_segment, .every_decision = true},
                  .left = m->state.step.h};
@@ -342,4 +323,3 @@ COMPACT void step_sensitivity(const Mechanism *m, bool by_parameters, StepSensit
     leave_out_peaks(&again.params, out);
 }
 
-COMPACT_END
