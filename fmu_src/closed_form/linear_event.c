@@ -54,8 +54,11 @@ LinearEvent linear_event_first(const LinearSegment *s, LinearEvent last, Kernel 
         search_crossing(&search, EVENT_REST, QUANTITY_SPEED, direction);
     /* The segment now ends at the first velocity zero at the latest, so theta is monotone in it. */
     if (direction * ends->motion.dtheta >= s->to_stop) end_segment_at(&search, (LinearEvent){EVENT_STOP, time_to_stop(&search), 0});
-    for (int i = 0; s->flanks && i < 2; i++)
+    for (int i = 0; s->flanks && i < 2; i++) {
+        if (linear_segment_has_band_edge(s, i))
+            search_crossing(&search, EVENT_REST, linear_quantity_of_edge(i), direction);
         if (!linear_segment_keeps_flank(s, ends, i))
             search_crossing(&search, EVENT_FLANK, linear_quantity_of_contact(i), s->linear->flank[i]);
+    }
     return search.event;
 }

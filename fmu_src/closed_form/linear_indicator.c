@@ -46,6 +46,20 @@ static IndicatorSample sample_contact(const LinearIndicator *indicator, const Li
     };
 }
 
+static IndicatorSample sample_band_edge(const LinearIndicator *indicator, const LinearMotion *motion, double edge) {
+    const LinearSegment *s = indicator->segment;
+    const SlipStart *l = &s->start;
+    const double spring = edge * s->params->spring.stiffness * s->geometry->dz_dtheta;
+    const double rate = l->tau_rate - edge * l->F_ext_rate;
+    return (IndicatorSample){
+        .t = motion->t,
+        .value = indicator->sign * (l->tau - edge * l->force - spring * motion->dtheta + rate * motion->t),
+        .rate = indicator->sign * (rate - spring * motion->omega),
+        .second = indicator->sign * -spring * motion->alpha,
+        .third = indicator->sign * -spring * motion->jerk,
+    };
+}
+
 static IndicatorSample sample_to_stop(const LinearIndicator *indicator, const LinearMotion *motion) {
     return (IndicatorSample){
         .t = motion->t,
@@ -59,6 +73,9 @@ static IndicatorSample sample_to_stop(const LinearIndicator *indicator, const Li
 static IndicatorSample sample(const LinearIndicator *indicator, const LinearMotion *motion) {
     switch (indicator->quantity) {
         case QUANTITY_SPEED: return sample_speed(indicator, motion);
+        case QUANTITY_EDGE_1:
+        case QUANTITY_EDGE_2:
+            return sample_band_edge(indicator, motion, indicator->segment->edge[indicator->quantity - QUANTITY_EDGE_1]);
         case QUANTITY_TO_STOP: return sample_to_stop(indicator, motion);
         case QUANTITY_CONTACT_1: return sample_contact(indicator, motion, 0);
         default: return sample_contact(indicator, motion, 1);

@@ -12,11 +12,17 @@ typedef enum {
     QUANTITY_CONTACT_1, /* N/m, x_1 = R_1/hypot(r_1, a_1) */
     QUANTITY_CONTACT_2, /* N/m, x_2 */
     QUANTITY_SPEED,     /* rad/s, omega */
+    QUANTITY_EDGE_1,    /* N.m, torque beyond an edge of the stick band: tau - edge[0] F_0 */
+    QUANTITY_EDGE_2,    /* tau - edge[1] F_0 */
     QUANTITY_TO_STOP    /* rad, angle left to the end stop; the sign applies to dtheta */
 } LinearQuantity;
 
 static inline LinearQuantity linear_quantity_of_contact(int i) {
     return i == 0 ? QUANTITY_CONTACT_1 : QUANTITY_CONTACT_2;
+}
+
+static inline LinearQuantity linear_quantity_of_edge(int i) {
+    return i == 0 ? QUANTITY_EDGE_1 : QUANTITY_EDGE_2;
 }
 
 typedef struct {

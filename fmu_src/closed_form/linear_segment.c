@@ -88,11 +88,24 @@ bool linear_segment_keeps_speed(const LinearSegment *s, const SegmentEnds *ends)
     return sign * s->start.alpha >= 0.0 || alpha_keeps_sign(s, ends) || linear_segment_is_steady(s, ends);
 }
 
+bool linear_segment_has_band_edge(const LinearSegment *s, int i) {
+    return s->flanks && s->linear->regime == REGIME_VISCOUS && s->edge[i] != s->linear->transfer.rho;
+}
+
+/* Does no edge of the band end the motion? While F_0 keeps its sign, this is so if the edge for that sign is where the
+ * speed is zero. F_0 is monotone, as theta is, if F_ext is constant. */
+static bool keeps_beyond_band(const LinearSegment *s, const SegmentEnds *ends) {
+    if (!s->flanks || s->linear->regime != REGIME_VISCOUS) return true;
+    const double force = s->start.force, spring = s->params->spring.stiffness * s->geometry->dz_dtheta;
+    return s->start.F_ext_rate == 0.0 && force * (force + spring * ends->motion.dtheta) > 0.0 &&
+           !linear_segment_has_band_edge(s, s->linear->direction * force > 0.0 ? 0 : 1);
+}
+
 bool linear_segment_is_quiet(const LinearSegment *s, const SegmentEnds *ends) {
     const LinearMotion *motion = &ends->motion;
     const double sign = s->linear->direction;
     if (!(sign * motion->dtheta < s->to_stop && sign * motion->omega > 0.0)) return false;
-    if (!(motion->t <= s->linear->oscillator.horizon)) return false;
+    if (!(motion->t <= s->linear->oscillator.horizon) || !keeps_beyond_band(s, ends)) return false;
     if (s->flanks && !(ends_on_flank(s, ends, 0) && ends_on_flank(s, ends, 1))) return false;
     if (ends->monotone) return true;
     return linear_segment_keeps_speed(s, ends) &&

@@ -22,6 +22,11 @@ typedef struct {
     Work *work;     /* counts evaluations, or NULL */
     double to_stop; /* rad, >= 0: angle to the end stop ahead */
     bool flanks;    /* friction acts, so the sign of the reactions matters */
+    /* m, the upper and the lower edge of the stick band per F_0 > 0. For either sign of F_0 the band ends at the larger
+     * one of edge[i] F_0 when loading, at the smaller one when releasing. Without inertia the pin rests as soon as the
+     * torque is back inside the band. The speed is zero there too, except where the damper has put the pin on other
+     * flanks than the spring. */
+    double edge[2];
 } LinearSegment;
 
 /* The motion at the end of a segment of length motion.t, and the contact loads at both ends. */
@@ -40,6 +45,9 @@ bool linear_segment_is_quiet(const LinearSegment *segment, const SegmentEnds *en
 /* The parts of the quiet test: true if omega has no zero in the segment; true if x_i keeps its sign. */
 bool linear_segment_keeps_speed(const LinearSegment *segment, const SegmentEnds *ends);
 bool linear_segment_keeps_flank(const LinearSegment *segment, const SegmentEnds *ends, int i);
+
+/* True if the pin can come to rest on edge i where its speed is not zero: see LinearSegment.edge. */
+bool linear_segment_has_band_edge(const LinearSegment *segment, int i);
 
 /* True if omega, or x_i, is monotone in the segment. */
 bool linear_segment_speed_is_monotone(const LinearSegment *segment, const SegmentEnds *ends);

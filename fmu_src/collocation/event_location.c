@@ -60,8 +60,8 @@ static bool keep_in_bracket(const Bracket *bracket, double full, double t, doubl
     return true;
 }
 
-/* Shortens the step so that it ends on the crossing at the share x of the step. A reaction that is a difference of far larger
- * terms, whose rate is rounding, is bisected: Newton's method would creep. */
+/* Shortens the step so that it ends on the crossing at the share x of the step. The edge of the stick band is bisected: its
+ * rate is not known. So is a reaction that is a difference of far larger terms, whose rate is rounding: Newton's method would creep. */
 static CrossingResult end_on_crossing(const SegmentLimits *limits, StepIndicator indicator, double x, RadauStep *step) {
     const RadauStep whole = *step;
     SlipMode slip = *limits->slip;
@@ -81,7 +81,7 @@ static CrossingResult end_on_crossing(const SegmentLimits *limits, StepIndicator
         const double f = step_indicator_at_end(limits, indicator, step) + allowance;
         if (is_reached(limits, indicator, f)) return CROSSING_REACHED;
         narrow(&bracket, t, f);
-        const bool bisects = n >= LOCATION_NEWTON && bracket.closed;
+        const bool bisects = indicator == STEP_BAND_EDGE || (n >= LOCATION_NEWTON && bracket.closed);
         const IndicatorRate slope =
             bisects ? (IndicatorRate){-1.0, 0.0} : step_indicator_rate(limits, indicator, radau_step_end(step), t);
         if (fabs(f) <= slope.rounding) return CROSSING_REACHED;

@@ -5,6 +5,7 @@
 
 #include "elementary/elementary.h"
 #include "numerics/tolerances.h"
+#include "platform/attributes.h"
 
 /* ---- what may end the segment ---- */
 
@@ -13,11 +14,23 @@ SegmentLimits segment_limits_of(const SlipMode *slip, const Balance *start, doub
         .slip = slip,
         .to_stop = to_stop,
         .breakpoint = breakpoint_ahead(slip, start->theta),
+        .has_band_edge = slip->regime == REGIME_VISCOUS && has_friction(slip->params),
         .has_friction = has_friction(slip->params),
     };
 }
 
 /* ---- values ---- */
+
+/* N.m, in the direction of slip. */
+NOINLINE static double torque_beyond_edge(const SlipMode *slip, const Balance *b) {
+    const TransmissionPoint point = piece_at(slip->piece, b->theta);
+    Geometry g = cam_geometry(slip->params->cam, point.slope);
+    cam_set_load(slip->params, b->force, &g);
+    const BandFactors band = contact_band(&g);
+    const bool loads = (slip->direction > 0) == (b->force >= 0.0);
+    const double edge = min_of(max_of(loads ? band.load : band.release, -STEEPEST_EDGE), STEEPEST_EDGE);
+    return slip->direction * (b->tau - edge * b->force);
+}
 
 /* Inlined where the indicator is a constant: every node of every step asks for all indicators. */
 static inline double value_at(const SegmentLimits *limits, StepIndicator indicator, const RadauStep *step, int node) {
@@ -28,6 +41,7 @@ static inline double value_at(const SegmentLimits *limits, StepIndicator indicat
         case STEP_SPEED: return slip->direction * b->omega;
         case STEP_TO_STOP: return limits->to_stop - advance;
         case STEP_BREAKPOINT: return breakpoint_limit(&limits->breakpoint) - advance;
+        case STEP_BAND_EDGE: return torque_beyond_edge(slip, b);
         case STEP_FLANK_1: return slip->flank[0] * b->x[0];
         default: return slip->flank[1] * b->x[1];
     }
@@ -144,6 +158,8 @@ double step_indicator_first_crossing(const SegmentLimits *limits, const RadauSte
         /* However near the stop is, the time to it follows from the acceleration. */
         keep_earlier(k == STEP_TO_STOP ? max_of(x, DBL_MIN) : x, k, &first);
     }
+    if (limits->has_band_edge && counts(STEP_BAND_EDGE, ignored))
+        keep_earlier(crossing_of(limits, STEP_BAND_EDGE, step), STEP_BAND_EDGE, &first);
     for (StepIndicator k = STEP_FLANK_1; limits->has_friction && k <= STEP_FLANK_2; k++)
         if (counts(k, ignored)) keep_earlier(crossing_of(limits, k, step), k, &first);
     *which = first.indicator;

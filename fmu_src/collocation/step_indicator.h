@@ -13,6 +13,7 @@ typedef enum {
     STEP_SPEED,      /* rad/s, speed in the direction of the slip */
     STEP_TO_STOP,    /* rad, angle left to the end stop */
     STEP_BREAKPOINT, /* rad, angle left to the limit of the breakpoint */
+    STEP_BAND_EDGE,  /* N.m, viscous only: torque beyond the edge of the stick band, inside which the mechanism rests */
     STEP_FLANK_1,    /* N/m, x_1 on the flank on which contact 1 bears */
     STEP_FLANK_2,
     STEP_INDICATORS
@@ -23,6 +24,7 @@ typedef struct {
     const SlipMode *slip;
     double to_stop;        /* rad, to the end stop */
     Breakpoint breakpoint; /* ahead */
+    bool has_band_edge;    /* viscous; with inertia the speed tells the rest */
     bool has_friction;     /* else it does not matter on which flank a contact bears */
 } SegmentLimits;
 
@@ -54,7 +56,8 @@ double step_indicator_first_crossing(const SegmentLimits *limits, const RadauSte
 
 static inline EventKind step_indicator_event(StepIndicator indicator) {
     switch (indicator) {
-        case STEP_SPEED: return EVENT_REST;
+        case STEP_SPEED:
+        case STEP_BAND_EDGE: return EVENT_REST;
         case STEP_TO_STOP: return EVENT_STOP;
         case STEP_BREAKPOINT: return EVENT_NONE;
         default: return EVENT_FLANK;

@@ -68,6 +68,7 @@ static Candidate closed_form_candidate(const Mechanism *m, const LinearSlipMode 
         .net = linear_slip_net_torque(linear, &start),
         .rounding = rate_independent ? tie : tie / (inertial ? linear->mass : linear->damping),
         .stiffness = linear->stiffness,
+        .axial = {linear->transfer.axial[0], linear->transfer.axial[1]},
     };
     for (int i = 0; has_friction(&m->params) && i < 2; i++) {
         c.x[i] = linear_slip_contact(linear, &m->params, &m->configuration.geometry, &start, &now, i).value;
@@ -90,6 +91,7 @@ static Candidate general_candidate(const Mechanism *m, int index) {
         .net = now.rhs.net,
         .rounding = rate_independent ? stick_tie(m) * stick_torque_size(m, lever) : CANDIDATE_ROUNDING * now.rhs.size,
         .stiffness = now.rhs.by_theta,
+        .axial = {now.axial[0], now.axial[1]},
     };
     if (!has_friction(&m->params)) return c;
     balance_contact_sizes(&slip, &now, c.size);

@@ -48,6 +48,12 @@ static Mode slip_mode(int direction) {
     return direction > 0 ? MODE_LOADING : MODE_RELEASING;
 }
 
+/* Has the motion just left this pair, as a reaction passed zero? */
+static bool is_left(const Mechanism *m, int direction, const int flank[2]) {
+    return (m->crossed[0] || m->crossed[1]) && m->state.mode == slip_mode(direction) && flank[0] == m->state.flank[0] &&
+           flank[1] == m->state.flank[1];
+}
+
 /* The pair `first`, then the pair that supports the axial load, its neighbours, the opposite pair. */
 static Decision slip_or_wedge(const Mechanism *m, int direction, const int first[2], LinearSlipMode *built) {
     if (carries(m, direction, first, built)) return (Decision){slip_mode(direction), slip_index(direction, first)};
@@ -55,19 +61,40 @@ static Decision slip_or_wedge(const Mechanism *m, int direction, const int first
     for (int k = 0; k < FLANK_PAIR_COUNT; k++) {
         int flank[2];
         flank_pair(k, sign, flank);
-        if (flank[0] == first[0] && flank[1] == first[1]) continue;
+        if ((flank[0] == first[0] && flank[1] == first[1]) || is_left(m, direction, flank)) continue;
         if (carries(m, direction, flank, built)) return (Decision){slip_mode(direction), slip_index(direction, flank)};
     }
     return (Decision){MODE_WEDGED, -1};
 }
 
-/* The present pair, with the flanks turned whose reactions have just passed zero; where the mechanism has not slipped in this
- * direction, the pair that supports the axial load. */
+/* The first pair that carries an axial load of this sign: x_i = axial_i A. Where a contact locks, the other one bears on its other
+ * flank. Leaves *flank where there is none. */
+static void find_pair_for(const Mechanism *m, int direction, int sign, LinearSlipMode *built, int flank[2]) {
+    for (int k = 0; k < FLANK_PAIR_COUNT; k++) {
+        int pair[2];
+        flank_pair(k, sign, pair);
+        const Candidate c = candidate_building(m, slip_index(direction, pair), built);
+        if (!c.possible || pair[0] * sign * c.axial[0] < 0.0 || pair[1] * sign * c.axial[1] < 0.0) continue;
+        for (int i = 0; i < 2; i++) flank[i] = pair[i];
+        return;
+    }
+}
+
+/* The pair that follows the present one: the flank turns whose reaction has just passed zero; where the axial load has passed
+ * zero, and with it both, the pair that carries the load of the other sign. */
+static void find_next_pair(const Mechanism *m, int direction, LinearSlipMode *built, int flank[2]) {
+    for (int i = 0; i < 2; i++) flank[i] = m->crossed[i] ? -m->state.flank[i] : m->state.flank[i];
+    if (!m->crossed[0] || !m->crossed[1]) return;
+    const Candidate present = candidate_building(m, slip_index(direction, m->state.flank), built);
+    const int i = present.axial[0] != 0.0 ? 0 : 1;
+    find_pair_for(m, direction, -m->state.flank[i] * sign_of(present.axial[i]), built, flank);
+}
+
+/* Where the mechanism has not slipped in this direction before, the pair that supports the axial load comes first. */
 static Decision slip_on(const Mechanism *m, int direction, LinearSlipMode *built) {
     int flank[2];
-    flank_pair(0, load_sign(m, direction), flank);
-    for (int i = 0; m->state.mode == slip_mode(direction) && i < 2; i++)
-        flank[i] = m->crossed[i] ? -m->state.flank[i] : m->state.flank[i];
+    if (m->state.mode == slip_mode(direction)) find_next_pair(m, direction, built, flank);
+    else flank_pair(0, load_sign(m, direction), flank);
     return slip_or_wedge(m, direction, flank, built);
 }
 

@@ -39,6 +39,10 @@ JumpProposal jump_of_helices(const Mechanism *m, const LinearSlipMode *linear, S
     segment_begin(m, SEGMENT_JUMP, segment);
     if (m->params.ledger) book_helices(&s, sign * distance, segment);
     segment->dtheta = sign * distance;
+    if (distance == to_mirror) {
+        segment->end = EVENT_FLANK;
+        segment->crossed[0] = segment->crossed[1] = true;
+    }
     if (distance == s.to_stop) segment->end = EVENT_STOP;
     return JUMP_PROPOSED;
 }

@@ -156,6 +156,9 @@ static const double OSCILLATOR_SERIES_CUT = 1e-19;
  * square. An excursion above rounding grows past any end stop in that time. */
 static const double OSCILLATOR_MAX_GROWTH = 300.0;
 
+/* m, an edge of the stick band per F_0 that stands for an infinite one: no torque is beyond it, once F_0 has its sign. */
+static const double STEEPEST_EDGE = 1e150;
+
 /* Share of its value at the start below which a derivative at the end of a segment has died away: sign of rounding. */
 static const double LINEAR_DECAYED = 1e-12;
 
