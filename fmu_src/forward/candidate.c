@@ -46,8 +46,15 @@ NOINLINE Balance balance_from_here(const Mechanism *m, const SlipMode *slip) {
 
 /* ---- candidates ---- */
 
-/* The rounding of theta changes x_i however small its terms are: through the spring, and where the grooves bend sharply
- * through the follower's acceleration. The change, as a size of x_i. */
+/* The rounding of theta changes x_i however small its terms are: through the spring, and through the acceleration of the
+ * follower. The change, as a size of x_i. In closed form: */
+static double linear_size_by_angle(const Mechanism *m, const LinearSlipMode *linear, int i) {
+    const double spring = linear->transfer.axial[i] * m->params.spring.stiffness * m->configuration.geometry.dz_dtheta;
+    const double by_alpha = linear->regime == REGIME_INERTIAL ? linear->acceleration[i] * linear->stiffness / linear->mass : 0.0;
+    return CANDIDATE_ANGLE_ROUNDING * largest_angle(&m->params) * (fabs(spring) + fabs(by_alpha));
+}
+
+/* In grooves of any shape: */
 static double size_by_angle(const Mechanism *m, const SlipMode *slip, const Balance *now, int i) {
     BalanceChange by_angle = {.theta = 1.0};
     if (slip->regime == REGIME_INERTIAL) by_angle.alpha = now->rhs.by_theta;
@@ -72,7 +79,8 @@ static Candidate closed_form_candidate(const Mechanism *m, const LinearSlipMode 
     };
     for (int i = 0; has_friction(&m->params) && i < 2; i++) {
         c.x[i] = linear_slip_contact(linear, &m->params, &m->configuration.geometry, &start, &now, i).value;
-        c.size[i] = linear_slip_contact_size(linear, &m->params, &m->configuration.geometry, &start, i);
+        c.size[i] = linear_slip_contact_size(linear, &m->params, &m->configuration.geometry, &start, i) +
+                    linear_size_by_angle(m, linear, i);
     }
     return c;
 }
