@@ -142,11 +142,10 @@ def shipped(model, platform) -> bytes:
         return archive.read(member)
 
 
-NATIVE = {2: build_fmu.PLATFORMS, 3: platforms.NATIVE}
 each_model = pytest.mark.parametrize("model", models.values(), ids=repr)
 each_binary = pytest.mark.parametrize(
     ("model", "platform"),
-    [(m, p) for version, found in VERSIONS.items() for m in found.values() for p in NATIVE[version]],
+    [(m, p) for version, found in VERSIONS.items() for m in found.values() for p in platforms.ALL[version]],
     ids=lambda one: repr(one) if hasattr(one, "fmu") else f"{one.folder}-{one.version}",
 )
 

@@ -3,8 +3,7 @@
     python fmu_src/tools/static_analysis.py
 
 clang-tidy and cppcheck come with the extra `check`. clang-tidy holds the analyzer that scan-build calls.
-Without gcc, its analyzer is left out, and this is told. The room `component`, compiled for WebAssembly
-alone, is left out. Exit code 1: a tool has found something.
+Without gcc, its analyzer is left out, and this is told. Exit code 1: a tool has found something.
 """
 
 from __future__ import annotations

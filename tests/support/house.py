@@ -31,7 +31,6 @@ MAY_INCLUDE: dict[str, tuple[str, ...]] = {
     "inverse": BELOW_DYNAMICS,
     "sensitivity": (*BELOW_DYNAMICS, "forward", "inverse"),
     "fmi": (*BELOW_DYNAMICS, "forward", "inverse", "sensitivity"),
-    "component": (),
     "fleet": (),
     "web": (),
     "tools": ("fmi",),
@@ -58,7 +57,7 @@ COUNTED = re.compile(
     r"(?:\1\+\+|\1--|\1 [+-]= \d+|\1\+\+, .*)\)"
 )
 BOUND = re.compile(r"[Aa]t most (?:.* turns\b|one turn per )")
-WITHOUT_BOUNDS = ("tools", "fleet", "component", "web")  # rooms that no call of a native FMU enters
+WITHOUT_BOUNDS = ("tools", "fleet", "web")  # rooms that no call of a native FMU enters
 MOST_PAIRS = 16  # of one room; a pair is the .c and .h of one stem
 MOST_LINES = {"tests": 800, "system_examples": 800, "case_studies": 800}
 MOST_LINES_ELSEWHERE = 500
