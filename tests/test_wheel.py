@@ -31,8 +31,7 @@ from packaging.requirements import Requirement
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 VERSION = PROJECT["version"]
 SMOKE = ROOT / "tests/support/smoke.py"
-LARGEST = 6_600_000  # bytes of the wheel
-LARGEST_ENVIRONMENT = 400e6  # bytes of a virtual environment with the wheel and all that it needs
+LARGEST = 8_000_000  # bytes of the wheel
 WITH_NETWORK = os.environ.get("DUALCAM_NETWORK") == "1"
 PIP = [sys.executable, "-m", "pip", "--disable-pip-version-check", "--no-input"]
 
@@ -216,8 +215,6 @@ def test_a_new_environment(tmp_path):
     environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
     run(python, "-m", "pip", "install", clone, env=environment, timeout=1500)
     run(python, SMOKE, cwd=tmp_path, env=environment)
-    size = sum(path.lstat().st_size for path in venv.rglob("*"))
-    assert size < LARGEST_ENVIRONMENT
 
 
 # ---- pins, versions, workflows ----

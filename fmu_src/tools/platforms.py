@@ -32,7 +32,7 @@ FRAMES = "-fomit-frame-pointer"
 LIBRARY = ("-fPIC", "-fvisibility=hidden", FRAMES)
 OPTIMISATION = "-O3"
 # Link-time optimisation inlines across files and drops functions that nobody calls. The linker for macOS has
-# none. On Windows a binary would grow by a tenth, beyond the 360,000 bytes that it may have.
+# none. On Windows a binary would grow by a tenth.
 LTO = "-flto"
 # Without LTO, the linker drops functions that nobody calls where each function has a section of its own.
 SECTIONS = ("-ffunction-sections", "-fdata-sections")
