@@ -279,7 +279,7 @@ case $command in
     check)
         install_dependencies '.[check]'
         say "clang-format"
-        find fmu_src -name '*.[ch]' -print0 | xargs -0 .venv/bin/clang-format --dry-run -Werror
+        find fmu_src dualcam -name '*.[ch]' -print0 | xargs -0 .venv/bin/clang-format --dry-run -Werror
         say "ruff"
         .venv/bin/python -m ruff check .
         say "mypy"

@@ -17,7 +17,7 @@ from matplotlib.patches import FancyArrowPatch, FancyBboxPatch
 
 ROOT = Path(__file__).resolve().parents[2]
 SOURCES = ROOT / "fmu_src"
-OUTSIDE = {"tools", "fleet"}  # no part of an FMU: the build, and the library of dualcam.Fleet
+OUTSIDE = {"tools"}  # the build, no part of an FMU
 
 INK = "#222222"
 ARROW = "#5a5a5a"

@@ -50,7 +50,7 @@ def build_fleet(platform: Platform) -> Path:
     """The library of `dualcam.Fleet` for `platform`, one of FMI 3.0's."""
     library = BUILD / "fleet" / platform.folder / f"dualcam_fleet{platform.suffix}"
     sources = sorted(FLEET.glob("*.c"))
-    stamp = fingerprint([*sources, *headers(), *build_program()], *platform.targets)
+    stamp = fingerprint([*FLEET.glob("*.[ch]"), *build_program()], *platform.targets)
     if not is_fresh(library, stamp):
         say(f"compile {relative(library)} ({len(sources)} files)")
         compile_library(platform, platform.targets[0], [], sources, library)

@@ -17,7 +17,7 @@ from filelock import FileLock
 ROOT = Path(__file__).resolve().parent.parent.parent
 CORE = ROOT / "fmu_src"
 TOOLS = CORE / "tools"
-FLEET = CORE / "fleet"  # the library of dualcam.Fleet, which is part of no FMU
+FLEET = ROOT / "dualcam/fleet"  # with the C code of the library of dualcam.Fleet
 WEB_ROOM = CORE / "web"  # C code of the modules for a browser, of no FMU
 BUILD = ROOT / "build"
 DESCRIPTIONS = ROOT / "modelDescription"
