@@ -31,7 +31,8 @@ def build_library(fmu: Fmu, platform: Platform) -> Path:
     """The library of `fmu` for `platform`."""
     library = platform.library(fmu.identifier)
     defines = [*fmu.defines, *identity(fmu)]
-    stamp = fingerprint([*fmu.sources, *headers(), *build_program()], platform.folder, *platform.targets, *defines)
+    inputs = [*fmu.sources, *headers(), *build_program()]
+    stamp = fingerprint(inputs, platform.folder, *platform.targets, *defines)
     if is_fresh(library, stamp):
         return library
     say(f"compile {relative(library)} ({len(fmu.sources)} files)")
