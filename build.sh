@@ -20,8 +20,7 @@ usage: ./build.sh [command] [arguments]
   design   build, then run system_examples/designed_groove.py (seconds); arguments go to it
   report   build, then write a long report: robot_joint, prosthetic_knee or car_door of case_studies/ (seconds);
            further arguments go to it
-  all      build all FMUs for Linux (x86-64, aarch64), Windows (64 and 32 bits) and macOS (x86-64, arm64);
-           those of FMI 3.0 also as WebAssembly
+  all      build all FMUs for Linux (x86-64, aarch64), Windows (64 and 32 bits) and macOS (x86-64, arm64)
   cad      install the CAD kernel OpenCASCADE (400 MB), draw docs/cut_grooves.png with solids of cams, then test the
            STEP files (a minute); arguments go to pytest
   wheel    as `all`, then pack the Python package and all FMUs into one wheel in dist/, which needs no compiler
@@ -280,7 +279,7 @@ case $command in
     check)
         install_dependencies '.[check]'
         say "clang-format"
-        find fmu_src -name '*.[ch]' -print0 | xargs -0 .venv/bin/clang-format --dry-run -Werror
+        find fmu_src dualcam -name '*.[ch]' -print0 | xargs -0 .venv/bin/clang-format --dry-run -Werror
         say "ruff"
         .venv/bin/python -m ruff check .
         say "mypy"

@@ -473,10 +473,3 @@ def test_stick_slip_behind_a_soft_shaft_is_told_where_to_go(design, motion):
     assert verdict.starts == motion.startswith("tau")
     calm = check_design(design("shaft.stiffness = 5.0\n" + scenario))
     assert not any("stick-slip" in one.text for one in calm.findings)
-
-
-def test_a_design_with_friction_under_load_says_which_coefficient_its_numbers_take(design):
-    plain = "cam1.friction = 0.14\n"
-    assert design(plain).friction_note() == ""
-    note = design(plain + "cam1.friction_load_exponent = -0.3\ncam1.friction_load = 80.0").friction_note()
-    assert "cam1.friction_load = 80 N" in note and "torque_release" in note

@@ -166,7 +166,7 @@ def test_thread_sanitizer_finds_no_race(race_finder, model, tmp_path):
     strict = {"TSAN_OPTIONS": "halt_on_error=1"}
     run_check(race_finder("faults", SOURCES), "threads", model, binary, tmp_path, strict)
     if model.identifier == "DualCamForward":
-        sources = [FOLDER / "fleet_threads.c", *sorted((build_fmu.CORE / "fleet").glob("*.c"))]
+        sources = [FOLDER / "fleet_threads.c", *sorted((ROOT / "dualcam/fleet").glob("*.c"))]
         ports = [str(model.variables[name].reference) for name in ("tau", "theta")]
         program = race_finder("fleet", sources)
         finished([program, binary, model.guid, *ports], {**os.environ, **strict})

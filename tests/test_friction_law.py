@@ -21,7 +21,6 @@ STRIBECK = {
     "cam2.stribeck_exponent": 1,
     "cam2.friction_viscous": 0.05,
 }
-VISCOUS = {"cam1.friction_viscous": 0.4, "cam2.friction_viscous": 0.2}
 WEARING = {"cam1.wear": 2e-13, "cam2.wear": 5e-13}
 TUNED = [
     f"cam{i}.{n}"
@@ -249,8 +248,6 @@ def test_directional_derivatives(make_model, omega):
 
 REGIMES = {
     "inertial": output_derivatives.REGIMES["inertial"] | STRIBECK,
-    "viscous": output_derivatives.REGIMES["viscous"] | VISCOUS,
-    "viscous by friction": VISCOUS,
 }
 
 
@@ -278,9 +275,6 @@ SCENES = {
     ),
     "to rest": Scene(step_sensitivity.SLIP | STRIBECK, 3.0, 0.05, mode=1, events=1, size=1e-3),
     "breakaway": Scene(step_sensitivity.REST | STRIBECK, 3.0, 0.03, (100.0,), events=1, size=1e-4),
-    "viscous by friction": Scene(
-        step_sensitivity.REST | step_sensitivity.MASSLESS | VISCOUS | {"damper.c_load": 500.0}, 7.0, 0.02
-    ),
 }
 
 
@@ -340,6 +334,7 @@ def test_a_restored_run_repeats(make_model):
 
 REFUSED = {
     "without inertia": (FORWARD, {"cam2.friction_peak": 1.5, "inertia.shaft": 0.0}, "inertia"),
+    "lubricated, without inertia": (FORWARD, {"cam1.friction_viscous": 0.4, "inertia.shaft": 0.0}, "inertia"),
     "elastic shaft": (INVERSE, {"cam1.friction_peak": 1.5, "shaft.stiffness": 50.0}, "shaft.stiffness"),
     "jam at rest": (FORWARD, {"cam1.friction": 0.5, "cam2.friction": 0.6, "cam1.friction_peak": 4.0}, "jam"),
 }
@@ -365,19 +360,3 @@ def test_tuning_that_is_refused_changes_nothing(make_model):
     assert "cam1.friction_peak" in fmu.messages[-1].text
     fmu.step(0.01, tau=3.0)
     assert fmu.get("theta") == before
-
-
-def test_without_inertia_friction_that_grows_with_the_speed_is_a_damper(make_model):
-    """Helices under constant load: the speed at which rho(mu(v)) F equals the torque."""
-    values = {"inertia.shaft": 0.0, "spring.stiffness": 0.0, "spring.preload": 500.0, "cam1.friction": 0.1}
-    values |= {"cam2.friction": 0.1, "cam1.friction_viscous": 2.0, "cam2.friction_viscous": 1.0}
-    fmu = make_model(FORWARD).start(values)
-    fmu.step(1e-3, tau=7.0)
-    omega = fmu.get("omega")
-    p = values | {
-        f"cam{i}.{n}": x for i in (1, 2) for n, x in (("radius", 0.02), ("lead_angle", math.pi / 4))
-    }
-    mu = [law(p, i, fmu.get(f"cam{i}.sliding_speed")) for i in (1, 2)]
-    kappa = sum((1 - m) / (0.02 * (1 + m)) for m in mu)
-    assert omega > 0.0
-    assert 500.0 / kappa == pytest.approx(7.0, rel=1e-12)

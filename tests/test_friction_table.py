@@ -248,22 +248,6 @@ def test_rest_breakaway_and_reversal(make_model, tables, groove):
             assert abs(fmu.get("energy.residual")) <= 10 * tolerance
 
 
-def test_without_inertia_friction_that_grows_damps(make_model, tables):
-    """tau - b omega = rho(mu(v)) F_0 at every instant."""
-    p = tables(GROWING) | {"inertia.shaft": 0.0, "shaft.damping": 0.05, "initial.theta": 0.3}
-    fmu, law = make_model(FORWARD).start(p, tolerance=1e-10), TableLaw(*map(np.array, GROWING))
-    for tau in np.linspace(2.0, 8.0, 40):
-        fmu.step(0.002, tau=float(tau))
-        if fmu.get("mode") != 2:
-            continue
-        mu = law.at(fmu.get("cam1.sliding_speed"))
-        assert fmu.get("cam1.friction_coefficient") == pytest.approx(mu, rel=1e-9)
-        rho = 0.02 * (1 + mu) / (1 - mu) / 2  # of two equal helices of 45 deg
-        force = 50 + 50000 * fmu.get("z")
-        assert tau - 0.05 * fmu.get("omega") == pytest.approx(rho * force, rel=1e-8)
-    assert fmu.get("theta") > 0.5
-
-
 def test_wear_and_heat(make_model, tables):
     """dV/dt = K R v and dQ/dt = mu R v, summed over short steps by the trapezoidal rule."""
     p = tables() | {"initial.theta": 0.2, "initial.omega": 3.0, "cam1.wear": 2e-13}

@@ -29,12 +29,14 @@ SLOW = Bench(friction=(0.17, 0.17), preload=62.0, stiffness=47e3)
 STRIBECK = Bench(
     (0.02, 0.02), friction=(0.12, 0.12), peak=1.4, stribeck_velocity=0.008, viscous=0.8, shaft=0.02
 )
+LOADED = Bench(friction=(0.17, 0.17), load_exponent=-0.3)
 LOSSES = replace(SLOW, shaft=0.02, shaft_damping=0.05)
 TRUE = {
     "friction": lambda b: b.friction[0],
     "friction_peak": lambda b: b.peak,
     "stribeck_velocity": lambda b: b.stribeck_velocity,
     "friction_viscous": lambda b: b.viscous,
+    "friction_load_exponent": lambda b: b.load_exponent,
     "spring.preload": lambda b: b.preload,
     "spring.stiffness": lambda b: b.stiffness,
     "inertia.shaft": lambda b: b.shaft,
@@ -67,11 +69,13 @@ def fast_motion(count=1601):
 
 def test_the_bench_is_the_mechanism(design):
     """The closed form of the tests and the inverse FMU, in both directions, with inertia and losses."""
-    bench = Bench((0.025, 0.018), (0.7, 0.9), (0.1, 0.2), 1.5, 0.02, 0.4, 60.0, 40e3, 30.0, 0.2, 0.01, 0.5)
+    friction = ((0.1, 0.2), 1.5, 0.02, 0.4, 0.3, 150.0)
+    bench = Bench((0.025, 0.018), (0.7, 0.9), *friction, 60.0, 40e3, 30.0, 0.2, 0.01, 0.5)
     names = [f"cam{i}.{name}" for i in (1, 2) for name in ("radius", "lead_angle", "friction")]
     values = dict(zip(names, (0.025, 0.7, 0.1, 0.018, 0.9, 0.2), strict=True))
     for i in (1, 2):
         law = {"friction_peak": 1.5, "stribeck_velocity": 0.02, "friction_viscous": 0.4}
+        law |= {"friction_load_exponent": 0.3, "friction_load": 150.0}
         values |= {f"cam{i}.{name}": value for name, value in law.items()}
     values |= {
         "spring.preload": 60.0,
@@ -95,6 +99,7 @@ SCENES = {
     "quasi-static, both directions": (SLOW, (np.linspace(0, 20, 801), triangle), SPRING),
     "zero error of the torque": (SLOW, (np.linspace(0, 20, 801), triangle), [*SPRING, "torque_offset"]),
     "losses": (LOSSES, fast_motion(), [*SPRING, "inertia.shaft", "shaft.damping"]),
+    "load": (LOADED, (np.linspace(0, 20, 801), triangle), ["friction", "friction_load_exponent"]),
     "Stribeck": (
         STRIBECK,
         fast_motion(1201),

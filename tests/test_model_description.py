@@ -1,12 +1,15 @@
 """modelDescription.xml of both FMUs: fresh, valid, complete, and true."""
 
+import difflib
 import math
 import re
 import subprocess
 import tomllib
 import zipfile
+from pathlib import Path
 
 import build_fmu
+import fmus
 import pytest
 from driver import OK, ROOT, models
 from fmpy.validation import validate_fmu
@@ -217,8 +220,49 @@ def test_nothing_is_missing_from_the_list_above(model):
     assert sorted(model.variables) == sorted(row.split()[0] for row in interface(model))
 
 
-def test_references_are_dense(model):
-    assert [v.reference for v in model.variables.values()] == list(range(len(model.variables)))
+def test_references_are_unique_and_rise(model):
+    references = [v.reference for v in model.variables.values()]
+    assert references == sorted(set(references))
+
+
+def emitted_with(row: str, model, version: int, folder: Path) -> list[str]:
+    """The lines of the XML without GUID, if variables.def had one more row among the first parameters."""
+    rows = (build_fmu.CORE / "variables.def").read_text(encoding="utf-8")
+    first, parameters = rows.split("VARIABLE(BOTH, EACH(5, 6),")
+    (folder / "variables.def").write_text(f"{first}{row}\nVARIABLE(BOTH, EACH(5, 6),{parameters}")
+    emitter = ("tools/emit", f"tools/emit_fmi{version}", "fmi/variables", "fmi/dependencies", "model/fault")
+    sources = [build_fmu.CORE / f"{name}.c" for name in emitter]
+    flags = ["-iquote", str(folder), *fmus.model_defines(model.identifier, version), '-DMODEL_GUID=""']
+    build_fmu.compile_c(build_fmu.ZIG, flags, sources, folder / "emit")
+    names = build_fmu.names_of(build_fmu.core_sources(model.identifier, version))
+    printed = subprocess.run([folder / "emit", *names], capture_output=True, check=True, encoding="utf-8")
+    return without_guid(printed.stdout)
+
+
+def without_guid(text: str) -> list[str]:
+    return [line for line in text.splitlines() if not re.search(r"guid=|instantiationToken=", line)]
+
+
+@pytest.mark.parametrize("version", build_fmu.ALL)
+def test_a_new_row_changes_its_own_lines_alone(model, version, tmp_path):
+    """It stands before rows of smaller value references. 147 is free in all FMUs."""
+    row = (
+        'VARIABLE(BOTH, 147, REAL, NEW, PARAMS, cam[0].radius, "cam1.new", PARAMETER, FIXED, '
+        'METRE, 0.02, 0, 1, 1, "New")'
+    )
+    folder = ROOT / "modelDescription" / ("" if version == 2 else "fmi3")
+    before = without_guid((folder / f"{model.identifier}.xml").read_text(encoding="utf-8"))
+    after = emitted_with(row, model, version, tmp_path)
+    changes = [line for line in difflib.ndiff(before, after) if line[0] in "+-"]
+    assert len(changes) == (3 if version == 2 else 1)
+    assert all(line.startswith("+") for line in changes)
+    assert 'name="cam1.new" valueReference="147"' in changes[0]
+
+
+def test_two_rows_of_one_reference_do_not_compile(tmp_path):
+    row = 'VARIABLE(FORWARD, 9, REAL, NEW, STATE, omega.hi, "new", LOCAL, FIXED, ONE, NAN, 0, 1, 1, "")'
+    with pytest.raises(build_fmu.BuildError, match="initializer overrides"):
+        emitted_with(row, FORWARD, 2, tmp_path)
 
 
 # kg, m, s, rad

@@ -25,27 +25,11 @@ def refused(make_model):
     return message
 
 
-def loaded(path, power, name="cam1.friction_table"):
-    """mu grows with the speed, and with a power of the load."""
-    mu = 0.1 * (np.array(LOADS)[:, None] / 100.0) ** power * (1.0 + 0.1 * np.array(SPEEDS))
-    return {name: write(path, SPEEDS, LOADS, mu)}
-
-
 @pytest.mark.parametrize("cam", [1, 2])
-def test_a_table_that_falls_with_the_load_takes_no_damping(refused, tmp_path, cam):
-    table = loaded(tmp_path / "law.csv", -0.3, f"cam{cam}.friction_table")
-    text = refused(table | {"shaft.damping": 0.1})
-    assert f"cam{cam}.friction_table" in text and "does not fall with the load" in text
-
-
-def test_a_table_that_grows_with_the_load_takes_damping(make_model, tmp_path):
-    fmu = make_model(FORWARD).start(MASSLESS | loaded(tmp_path / "law.csv", 0.3) | {"shaft.damping": 0.1})
-    assert fmu.get("omega") == 0.0
-
-
-def test_viscous_friction_of_cam_2_alone_is_damping(refused):
-    law = {"cam1.friction_load_exponent": -0.2, "cam2.friction_viscous": 0.1}
-    assert "cam1.friction_load_exponent = -0.2" in refused(law)
+def test_a_table_asks_for_an_inertia(refused, tmp_path, cam):
+    (tmp_path / "law.csv").write_text("v_m_s,mu\n0,0.2\n0.1,0.21\n0.2,0.22\n", encoding="utf-8")
+    text = refused({f"cam{cam}.friction_table": str(tmp_path / "law.csv")})
+    assert f"cam{cam}.friction_table" in text and "inertia.shaft" in text
 
 
 def test_a_peak_of_no_friction_is_none(make_model):

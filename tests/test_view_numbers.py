@@ -276,7 +276,7 @@ def test_a_module_is_small_and_imports_files_alone(model):
     found = json.loads(subprocess.check_output([NODE, "-e", MODULE, path], encoding="utf-8"))
     assert found["imports"] == ["wasi_snapshot_preview1"]
     assert {"fmi2DoStep", "fmi2GetFMUstate", "web_message", "malloc", "memory"} <= set(found["exports"])
-    assert path.stat().st_size < 374_000
+    assert path.stat().st_size < 500_000
 
 
 def test_a_missing_file_says_how_to_get_it():

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -24,8 +24,6 @@ from case_studies.paper.published import (
 from dualcam.design import Ellipse, Mechanism, Spring
 from dualcam.design.grooves import both_parameters
 from dualcam.design.statics import Array, Transfer, transfer
-
-Law = Callable[[Array], Array]  # friction over the normal reaction of one contact
 
 
 def arc(radius: float, lead: float, size: float, bending: int = -1) -> Ellipse:
@@ -100,6 +98,10 @@ class Statics:
         first, second = self._transfer(direction, friction).reaction * self.spring / CONTACTS
         return first, second
 
+    def nominal_loads(self) -> tuple[Array, Array]:
+        """Normal reaction at each contact without friction [N], shape (n,) each."""
+        return self.reactions(LOADING, 0.0)
+
     def sliding(self, speed: float) -> tuple[Array, Array]:
         """Sliding speed at cam 1 and cam 2 [m/s], shape (n,) each, at `speed` [rad/s] of the turning cam."""
         a1, a2 = self._slopes
@@ -113,28 +115,6 @@ class Statics:
     def band(self, friction: float) -> Array:
         """Width of the stick band [N.m], shape (n,)."""
         return self.torque(LOADING, friction) - self.torque(RELEASING, friction)
-
-    def torque_under(self, law: Law, direction: int) -> Array:
-        """Torque [N.m], shape (n,), with friction that depends on the reactions; nan where the cam locks.
-
-        Given the friction forces A_i, the balance (see printed.Case.balance) is linear in the reactions R_i.
-        A_i follows from R_i, and the two are iterated. ArithmeticError if they do not settle.
-        """
-        (r1, r2), (s1, s2) = self.radii, self.slopes
-        c1, c2 = 1.0 / np.hypot(1.0, s1), 1.0 / np.hypot(1.0, s2)  # cosines of the lead angles
-        axial = (r1 * s1 + r2 * s2) * c1 * c2
-        first, second = self.reactions(direction)
-        for _ in range(200):
-            a1, a2 = (direction * law(reaction) * reaction for reaction in (first, second))
-            force = self.spring / CONTACTS + a1 * s1 * c1 + a2 * s2 * c2
-            moment = r2 * a2 * c2 - r1 * a1 * c1
-            old = (first, second)
-            first = (force * r2 * s2 * c2 + moment * c2) / axial
-            second = (force * r1 * s1 * c1 - moment * c1) / axial
-            if all(np.max(np.abs(a - b)) < 1e-10 for a, b in zip(old, (first, second), strict=True)):
-                torque = CONTACTS * r2 * c2 * (second * s2 + a2)
-                return np.where((torque > 0.0) & (first > 0.0) & (second > 0.0), torque, math.nan)
-        raise ArithmeticError("friction and reactions do not settle")
 
 
 def pair(name: str) -> Pair:

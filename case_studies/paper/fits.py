@@ -1,8 +1,9 @@
 """Which friction that depends on the load makes the published RMSEs?
 
 Along the range the sliding speed of steady turning is nearly constant. So at one speed the law of
-docs/mechanism.md, section 9, is f mu (R/R_ref)^nu: a factor f, which holds static coefficient, Stribeck's
-fall and lubricated branch, and the exponent nu of the load. A grid over f and nu is computed at once.
+docs/mechanism.md, section 9, is about f mu (N/N_ref)^nu: a factor f, which holds static coefficient,
+Stribeck's fall and lubricated branch, and the exponent nu of the nominal load N. A grid over f and nu is
+computed at once.
 """
 
 from __future__ import annotations
@@ -61,12 +62,12 @@ def misfits(statics: Statics, name: str, friction: float, grid: Grid) -> Array:
 def best(names: str, friction: float, least: float, greatest: float) -> Fit:
     """The law that comes nearest to the RMSEs of pairs "A", "B" or "AB", nu from `least` to `greatest`: on a
     grid, then twice on a finer grid around the best point."""
-    found = _best_of(names, friction, _grid(FACTORS, (least, greatest), (69, 17)))
+    found = _best_of(names, friction, _grid(FACTORS, (least, greatest), (171, 41)))
     for finer in (10.0, 100.0):
         reach = (FACTORS[1] - FACTORS[0]) / finer, (greatest - least) / finer
         factors = found.factor - reach[0], found.factor + reach[0]
         exponents = max(least, found.exponent - reach[1]), min(greatest, found.exponent + reach[1])
-        found = _best_of(names, friction, _grid(factors, exponents, (41, 13)))
+        found = _best_of(names, friction, _grid(factors, exponents, (41, 21)))
     return found
 
 

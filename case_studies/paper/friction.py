@@ -148,9 +148,10 @@ def varying_friction(fmus: FmuResults) -> str:
             paragraph(
                 f"""
                 The paper asks for friction that depends on sliding speed and pressure. The law is that of
-                [the mechanism](mechanism.md), section 9, with a factor (R/{LOAD:.0f} N)^nu on the kinetic
-                part; R is the reaction of one contact. The paper gives no numbers. Assumed are such as
-                greased steel has: static over kinetic coefficient {PEAK}, Stribeck velocity
+                [the mechanism](mechanism.md), section 9: on the kinetic part acts about the factor
+                (N/{LOAD:.0f} N)^nu, where N is the nominal load of one contact. The paper gives no
+                numbers. Assumed are such as greased steel has: static over kinetic coefficient {PEAK},
+                Stribeck velocity
                 {1e3 * STRIBECK_VELOCITY:.0f} mm/s, exponent {STRIBECK_EXPONENT}, lubricated branch
                 {VISCOUS} s/m; and nu = {powers}. The grease's coefficient is taken as the kinetic one.
                 The torques are by formula; over the speed DualCamInverse.fmu has the same to better than
@@ -219,8 +220,9 @@ def explanation(fmus: FmuResults) -> str:
             "## Does friction that varies explain the deviations?\n",
             paragraph(
                 f"""
-                At one speed the law is f mu (R/{LOAD:.0f} N)^nu along the whole range: the factor f holds
-                static coefficient, Stribeck's fall and lubricated branch. So there are two numbers, f and
+                At one speed the law is about f mu (N/{LOAD:.0f} N)^nu along the whole range: the factor f
+                holds static coefficient, Stribeck's fall and lubricated branch. So there are two numbers,
+                f and
                 nu, and four published RMSEs. The law that comes nearest to the RMSEs, and the factor by
                 which the worst RMSE is off (f from 0.3 to 2; signs of the deviations are not published,
                 so both are allowed):
@@ -257,18 +259,18 @@ def explanation(fmus: FmuResults) -> str:
                     ),
                     _item(
                         f"""
-                        Pair A alone: only if friction falls steeply with the load. With nu from -1/3 to
-                        1/3 it is off by a factor of
+                        Pair A alone: no. With nu from -1/3 to 1/3 it is off by a factor of
                         {min(best("A", mu, -1 / 3, 1 / 3).misfit for mu in GREASES):.2f} at best, with nu
-                        = -2/3 by {min(best("A", mu, -2 / 3, 2 / 3).misfit for mu in GREASES):.2f}. Pair A
-                        asks for more friction when releasing than when loading, and reactions are smaller
-                        when releasing. An elastic point contact has nu = -1/3.
+                        from -2/3 to 2/3 by
+                        {min(best("A", mu, -2 / 3, 2 / 3).misfit for mu in GREASES):.2f}. Pair A asks for
+                        more friction when releasing than when loading, and the nominal load is the same
+                        in both directions. An elastic point contact has nu = -1/3.
                         """
                     ),
                     _item(
                         f"""
                         Friction that grows with the pressure, as the paper has it, does not help pair A:
-                        off by {min(grows):.2f} at best, against {min(falls):.2f} if friction falls with
+                        off by {min(grows):.2f} at best, and by {min(falls):.2f} if friction falls with
                         the pressure.
                         """
                     ),

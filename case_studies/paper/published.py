@@ -33,7 +33,7 @@ READINGS = 15  # angles at which a torque is read by hand, assumed
 FEW = 5  # and if they are few
 SPEED, QUADRATIC = 0.1, 1000.0  # m/s and N.s2/m2: example of a damper
 PULL = -1500.0  # N: example of an external axial force
-EXPONENTS = (1 / 3, 1 / 2, 1.0)  # of the load, by which friction falls
+EXPONENTS = (1 / 3, 1 / 2)  # of the load, by which friction falls
 WEAR, HARDNESS = 1e-5, 2e9  # Archard's K and H [Pa], assumed
 
 # assumed, plausible for greased steel: static over kinetic coefficient, Stribeck velocity [m/s] and exponent,
@@ -42,7 +42,7 @@ PEAK, STRIBECK_VELOCITY, STRIBECK_EXPONENT, VISCOUS = 1.3, 0.01, 2, 0.3
 LOAD_EXPONENTS = (-1 / 3, 1 / 3)
 SLIDING = (0.0, 0.003, 0.01, 0.03, 0.1)  # m/s: mean sliding speeds of steady turning
 FACTORS = (0.3, 2.0)  # friction over the grease's, where a law that fits is sought
-LOAD = 200.0  # N: reaction at which the factor is meant
+LOAD = 200.0  # N: nominal load at which the factor is meant
 # assumed tolerances of the prototypes: standard deviation of the friction; limits of springs and arcs
 # (relative), of lead angles [rad] and radii [m]; largest clearance [m]
 FRICTION_SPREAD, SPRING_LIMIT, SHAPE_LIMIT = 0.01, 0.05, 0.02

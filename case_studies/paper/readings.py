@@ -9,8 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import brentq
 
-from case_studies.paper.cams import Law, Statics, pair
-from case_studies.paper.published import LOADING, RANGE, READINGS, TILT, UNCERTAINTY
+from case_studies.paper.cams import Statics, pair
+from case_studies.paper.published import RANGE, READINGS, TILT, UNCERTAINTY
+from case_studies.paper.varying import FrictionLaw, turning
 from dualcam.design.statics import Array
 
 
@@ -70,23 +71,19 @@ def friction_for(statics: Statics, friction: float, direction: int, error: float
     return float(brentq(miss, friction, limit, xtol=1e-13))
 
 
-def power_law(friction: float, reference: float, exponent: float) -> Law:
-    """mu = friction (R/reference)^-exponent."""
-    return lambda reaction: friction * (np.abs(reaction) / reference) ** -exponent
-
-
 def law_error(
     statics: Statics, friction: float, exponent: float, direction: int
 ) -> tuple[float, float, float]:
     """RMSE [N.m] between friction that falls with the load and constant friction, if both agree at the least,
-    at the mean, and at the largest reaction."""
-    reactions = np.concatenate(statics.reactions(LOADING, friction))
+    at the mean, and at the largest nominal load."""
+    loads = np.concatenate(statics.nominal_loads())
     line = statics.torque(direction, friction)
-    least, mean, largest = (
-        rms(statics.torque_under(power_law(friction, float(of(reactions)), exponent), direction) - line)
-        for of in (np.min, np.mean, np.max)
-    )
-    return least, mean, largest
+
+    def error(load: float) -> float:
+        law = FrictionLaw(friction, load_exponent=-exponent, load=load)
+        return rms(turning(statics, law, direction).torque - line)
+
+    return error(float(loads.min())), error(float(loads.mean())), error(float(loads.max()))
 
 
 def largest_change(ratio: float) -> float:

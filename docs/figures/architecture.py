@@ -17,7 +17,7 @@ from matplotlib.patches import FancyArrowPatch, FancyBboxPatch
 
 ROOT = Path(__file__).resolve().parents[2]
 SOURCES = ROOT / "fmu_src"
-OUTSIDE = {"tools", "fleet"}  # no part of an FMU: the build, and the library of dualcam.Fleet
+OUTSIDE = {"tools"}  # the build, no part of an FMU
 
 INK = "#222222"
 ARROW = "#5a5a5a"
@@ -38,8 +38,7 @@ ROOMS: dict[str, tuple[Place, str, str]] = {
     "forward": ((0.2, 7.1, 6.5, 0.95), MOTION, "forward dynamics: torque in, motion out"),
     "sensitivity": ((0.2, 8.45, 9.6, 0.95), MOTION, "derivatives of outputs and of a whole step"),
     "fmi": ((0.2, 9.8, 9.6, 0.95), BOUNDARY, "the calls of FMI 2.0 and FMI 3.0; no physics"),
-    "web": ((0.2, 11.15, 4.65, 1.3), BOUNDARY, "messages for a page\nin a browser"),
-    "component": ((5.15, 11.15, 4.65, 1.3), BOUNDARY, "FMI 3.0 for hosts\nof WebAssembly"),
+    "web": ((0.2, 11.15, 9.6, 0.95), BOUNDARY, "messages for a page in a browser"),
 }
 LABEL_SIZE, TEXT_SIZE = 16.0, 13.0
 
@@ -97,10 +96,10 @@ def draw_arrow(axes: Axes, user: str, used: str) -> None:
 
 
 def draw() -> Figure:
-    figure = Figure(figsize=(7.0, 8.77), facecolor="white")
+    figure = Figure(figsize=(7.0, 8.53), facecolor="white")
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
     axes.set_xlim(0.0, 10.0)
-    axes.set_ylim(-0.15, 12.6)
+    axes.set_ylim(-0.15, 12.25)
     axes.axis("off")
     for user, used in sorted(without_shortcuts(includes())):
         draw_arrow(axes, user, used)

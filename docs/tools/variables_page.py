@@ -17,7 +17,7 @@ ROOT = Path(__file__).resolve().parents[2]
 FMUS = {"DualCamForward": "forward", "DualCamInverse": "inverse"}
 KINDS = {"Float64": "", "Int32": "integer", "Int64": "integer", "Boolean": "boolean", "String": "text"}
 # A sign is -1 or +1: the XML gives the range only.
-SIGN = re.compile(r'VARIABLE\(\w+, SIGN, \w+, \w+, [^,]+, "([^"]+)"')
+SIGN = re.compile(r'VARIABLE\(\w+, (?:EACH\(\d+, \d+\)|\d+), SIGN, \w+, \w+, [^,]+, "([^"]+)"')
 ONLY_FMI3 = re.compile(r"time|indicator\.\w+")  # names that the FMI 2.0 files do not have
 
 INTRODUCTION = """# All variables of the FMUs

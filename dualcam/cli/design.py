@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import warnings
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -15,7 +16,7 @@ from dualcam.cli.check import count, tell_findings
 from dualcam.cli.groove_export import GrooveExport, export_options
 from dualcam.cli.options import as_json, design_file, example, open_design, output_file
 from dualcam.cli.output import print_json, refuse_to_overwrite, say
-from dualcam.errors import DesignError
+from dualcam.errors import DesignError, DualcamWarning
 
 if TYPE_CHECKING:
     from dualcam.checking import Verdict
@@ -185,6 +186,10 @@ def _designed(design: DesignFile, torque: str, direction: str, keeps_groove2: bo
             f"cam1.radius = {radius1:g} m, cam2.radius = {radius2:g} m: equal grooves need equal radii; or"
             " give --groove2 given"
         )
+    if any(mechanism.load_laws):
+        mu1, mu2 = mechanism.friction
+        text = f"the groove takes friction {mu1:.4g} and {mu2:.4g}, without the dependence on the load"
+        warnings.warn(text, DualcamWarning, stacklevel=1)
     return design_groove(
         wanted,
         mechanism.spring,

@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from dualcam.design.grooves import Groove, Table, both_parameters, curvature
-from dualcam.design.statics import Array, DesignError, band, sign_of, transfer
+from dualcam.design.load_law import LoadLaw, friction_under
+from dualcam.design.statics import Array, DesignError, Pair, band, sign_of, transfer
 from dualcam.unit_guards import warn_units
 
 POINTS = 721  # of theta, where a property of the whole range is sought
@@ -127,6 +128,8 @@ class Mechanism:
         Follower ends that share each load.
     lower : float
         Lower end of the angle [rad], 0 or less.
+    load_laws : tuple of LoadLaw or None
+        How the coefficient of each contact depends on its nominal load; None: it does not.
 
     Raises
     ------
@@ -154,6 +157,7 @@ class Mechanism:
     upper: float
     contacts: int = 2
     lower: float = 0.0
+    load_laws: tuple[LoadLaw | None, LoadLaw | None] = (None, None)
 
     def __post_init__(self) -> None:
         if len(self.grooves) != 2:
@@ -259,8 +263,10 @@ class Mechanism:
             Another direction.
         """
         configuration = self.configuration(theta)
-        rho = transfer(configuration.slope, self.friction, self.radius, sign_of(direction)).rho
-        return np.asarray(rho * self.spring.force(configuration.z))
+        force = self.spring.force(configuration.z)
+        friction = self.friction_under(configuration.slope, force)
+        rho = transfer(configuration.slope, friction, self.radius, sign_of(direction)).rho
+        return np.asarray(rho * force)
 
     def band(self, theta: ArrayLike) -> tuple[Array, Array]:
         """The edges of the stick band, the FMU's `torque_release` and `torque_load`. F_s must be > 0.
@@ -276,9 +282,43 @@ class Mechanism:
             T_release and T_load [N.m], of the shape of `theta`.
         """
         configuration = self.configuration(theta)
-        (release, load), _ = band(configuration.slope, self.friction, self.radius)
         force = self.spring.force(configuration.z)
+        (release, load), _ = self.edges(configuration.slope, force)
         return release * force, load * force
+
+    def friction_under(self, slope: Pair, force: Array) -> Pair:
+        """Coefficients of friction at rest.
+
+        Parameters
+        ----------
+        slope : pair of array_like
+            Slopes a_i of both grooves [m/rad].
+        force : ndarray
+            Axial force [N].
+
+        Returns
+        -------
+        pair of array_like
+            mu_1 and mu_2 [1].
+        """
+        return friction_under(self.friction, self.load_laws, slope, self.radius, force / self.contacts)
+
+    def edges(self, slope: Pair, force: Array) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
+        """The edges of the stick band over the axial force, and the reactions there, as in `statics.band`.
+
+        Parameters
+        ----------
+        slope : pair of array_like
+            Slopes a_i of both grooves [m/rad].
+        force : ndarray
+            Axial force [N]: on it depend coefficients that have a load law.
+
+        Returns
+        -------
+        tuple of tuple of ndarray
+            (T_release/F, T_load/F) [m], and the normal forces over F that belong to them [1].
+        """
+        return band(slope, self.friction_under(slope, force), self.radius)
 
     def curvature(self, theta: ArrayLike) -> Array:
         """Curvature of both unwrapped grooves where the pin is.

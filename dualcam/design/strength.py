@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from dualcam.design.hertz import Pin, hertz_pressure
 from dualcam.design.mechanism import POINTS, Mechanism
-from dualcam.design.statics import Array, DesignError, band
+from dualcam.design.statics import Array, DesignError
 from dualcam.unit_guards import unit_warning, warn_units
 from dualcam.variables import parameters_of
 
@@ -109,6 +109,7 @@ class Strength:
     force: Array  # N, of the spring
     rho: Array  # m, torque of loading per spring force, infinite in a jam
     lead_angle: Array  # rad
+    friction_angle: Array  # rad, atan of the coefficient of friction at rest
     curvature: Array  # 1/m, signed
     load: Array  # N per contact: the larger one of slow loading and releasing
     pressure: Array  # Pa, likewise
@@ -227,8 +228,9 @@ def strength(mechanism: Mechanism, pin: Pin | None, theta: Array) -> Strength:
     """Properties at angles theta [rad], shape (n,). Without a pin the pressure is NaN."""
     configuration = mechanism.configuration(theta)
     bends = mechanism.curvature(theta)
-    (_, rho), reaction = band(configuration.slope, mechanism.friction, mechanism.radius)
     force = mechanism.spring.force(configuration.z)
+    (_, rho), reaction = mechanism.edges(configuration.slope, force)
+    friction = mechanism.friction_under(configuration.slope, force)
     # [releasing or loading, groove, theta]; no load of motion where no torque moves the cam in that direction
     reactions = np.where(np.isfinite(reaction), reaction, 0.0) * force / mechanism.contacts
     loads = np.abs(reactions)
@@ -236,7 +238,8 @@ def strength(mechanism: Mechanism, pin: Pin | None, theta: Array) -> Strength:
     flank = np.where(reactions < 0.0, -1.0, 1.0)
     pressures = np.full(loads.shape, np.nan) if pin is None else hertz_pressure(loads, pin, flank * bends)
     lead = np.arctan(configuration.slope / np.array(mechanism.radius)[:, None])
-    return Strength(theta, force, rho, lead, bends, loads.max(axis=0), pressures.max(axis=0))
+    angle = np.arctan(np.stack([np.broadcast_to(mu, theta.shape) for mu in friction]))
+    return Strength(theta, force, rho, lead, angle, bends, loads.max(axis=0), pressures.max(axis=0))
 
 
 @dataclass(frozen=True)
@@ -309,13 +312,14 @@ def _checks(mechanism: Mechanism, pin: Pin | None, limits: Limits) -> list[_Chec
         ),
     ]
     for i in range(2):
-        checks += _checks_of_groove(i, math.atan(mechanism.friction[i]), pin, limits)
+        checks += _checks_of_groove(i, mechanism, pin, limits)
     return checks
 
 
-def _checks_of_groove(i: int, locking: float, pin: Pin | None, limits: Limits) -> list[_Check]:
+def _checks_of_groove(i: int, mechanism: Mechanism, pin: Pin | None, limits: Limits) -> list[_Check]:
     name, (low, high) = f"of groove {i + 1}", limits.lead_angle
     least, greatest = math.degrees(low), math.degrees(high)
+    locking = f"{math.degrees(math.atan(mechanism.friction[i])):.6g} deg"
     checks = [
         _Check(
             f"lead angle {name}",
@@ -328,9 +332,9 @@ def _checks_of_groove(i: int, locking: float, pin: Pin | None, limits: Limits) -
         _Check(
             f"self-locking: lead angle {name}",
             lambda s: np.degrees(s.lead_angle[i]),
-            lambda s: (s.lead_angle[i] > locking) | limits.self_locking,
+            lambda s: (s.lead_angle[i] > s.friction_angle[i]) | limits.self_locking,
             "deg",
-            f"more than the angle of friction, {math.degrees(locking):.6g} deg",
+            f"more than the angle of friction{', ' + locking if mechanism.load_laws[i] is None else ''}",
             np.negative,
         ),
     ]

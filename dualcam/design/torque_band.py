@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dualcam.design.mechanism import Mechanism
-from dualcam.design.statics import Array, band
+from dualcam.design.statics import Array
 from dualcam.errors import DesignError
 
 
@@ -98,8 +98,8 @@ def torque_band(mechanism: Mechanism, points: int = 181) -> TorqueBand:
         raise DesignError(f"points = {points}: allowed is 2 or more")
     theta = mechanism.angles(points)
     configuration = mechanism.configuration(theta)
-    (release_arm, load_arm), _ = band(configuration.slope, mechanism.friction, mechanism.radius)
     force = mechanism.spring.force(configuration.z)
+    (release_arm, load_arm), _ = mechanism.edges(configuration.slope, force)
     with np.errstate(divide="ignore", invalid="ignore"):
         efficiency = np.where(np.isfinite(load_arm), release_arm / load_arm, np.nan)
         release, load = release_arm * force, load_arm * force

@@ -37,7 +37,7 @@ import numpy as np
 
 from dualcam.design.hertz import Pin, relative_radius
 from dualcam.design.mechanism import POINTS, Mechanism, check_pair
-from dualcam.design.statics import Array, DesignError, band
+from dualcam.design.statics import Array, DesignError
 
 if TYPE_CHECKING:
     from scipy.interpolate import CubicSpline
@@ -334,7 +334,7 @@ def wear(
 def _loads(mechanism: Mechanism, slope: Array, force: Array) -> Array:
     """Normal force of one contact [releasing or loading, groove, theta], negative on the other flank [N]; 0
     where no torque moves the cam in that direction."""
-    _, reaction = band(slope, mechanism.friction, mechanism.radius)
+    _, reaction = mechanism.edges(slope, force)
     found = np.asarray(reaction)
     return np.where(np.isfinite(found), found, 0.0) * force / mechanism.contacts
 
@@ -367,8 +367,8 @@ def _worn(wear: Wear, cycles: float) -> WornMechanism:
     force, before = mechanism.spring.force(z), mechanism.spring.force(z + drop)
     if not (force[:-1] > 0.0).all():
         raise DesignError(f"cycles = {cycles:.6g}: the spring is slack; allowed are fewer cycles")
-    edges = band(slope[:, :-1], mechanism.friction, mechanism.radius)[0]
-    old = band(fresh.slope, mechanism.friction, mechanism.radius)[0]
+    edges = mechanism.edges(slope[:, :-1], force[:-1])[0]
+    old = mechanism.edges(fresh.slope, before[:-1])[0]
     (release, load), (new_release, new_load) = (
         tuple(edge * newton for edge in pair) for pair, newton in ((edges, force[:-1]), (old, before[:-1]))
     )

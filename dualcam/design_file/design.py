@@ -16,6 +16,7 @@ from dualcam.variables import all_parameters, parameters_of
 
 if TYPE_CHECKING:
     from dualcam.design import Groove, HelicalSpring, Limits, Mechanism, Pin, Roller
+    from dualcam.design.load_law import LoadLaw
     from dualcam.study.scenario import Scenario
 
 
@@ -144,32 +145,31 @@ class DesignFile:
         """
         from dualcam.design import Mechanism, Spring
 
+        (first, first_law), (second, second_law) = (self._friction_at_rest(number) for number in (1, 2))
         with units_checked_before():  # the findings of the file have these warnings, with their lines
             return Mechanism(
                 (self._named_groove(1), self._named_groove(2)),
-                (self._static_friction(1), self._static_friction(2)),
+                (first, second),
                 Spring(*(self.value(f"spring.{name}") for name in SPRING_TERMS)),
                 self.value("stop.upper"),
                 self.value("contacts"),
                 self.value("stop.lower"),
+                (first_law, second_law),
             )
 
     def friction_note(self) -> str:
-        """What the torques of slow motion leave out where friction depends on speed or load; else empty.
+        """What the torques of slow motion leave out where friction depends on the speed; else empty.
 
         Returns
         -------
         str
-            Sentences, or an empty text for Coulomb's law.
+            A sentence, or an empty text where friction does not depend on the speed.
         """
-        return " ".join(note for note in (self._note_on_speed(), self._note_on_load()) if note)
-
-    def _note_on_speed(self) -> str:
         tables = [name for name in ("cam1.friction_table", "cam2.friction_table") if self.value(name)]
         if tables:
             return (
                 "Friction depends on the sliding speed: the torques of slow motion take the static"
-                f" coefficients, of {' and '.join(tables)} the value at the speed 0 (and the middle load)."
+                f" coefficients, of {' and '.join(tables)} the value at the speed 0."
             )
         peaks = [f"cam{i}.friction_peak = {self.value(f'cam{i}.friction_peak'):g}" for i in (1, 2)]
         viscous = [self.value(f"cam{i}.friction_viscous") for i in (1, 2)]
@@ -180,27 +180,20 @@ class DesignFile:
             f" friction times {' and '.join(peaks)}."
         )
 
-    def _note_on_load(self) -> str:
-        loaded = [
-            f"cam{i}.friction_load = {self.value(f'cam{i}.friction_load'):g} N"
-            for i in (1, 2)
-            if self.value(f"cam{i}.friction_load_exponent") != 0.0
-            and not self.value(f"cam{i}.friction_table")
-        ]
-        if not loaded:
-            return ""
-        return (
-            "Friction depends on the load: the torques of slow motion take the coefficient at the reaction"
-            f" {' and '.join(loaded)}. Exact: the outputs torque_load and torque_release of the FMU."
-        )
-
-    def _static_friction(self, number: int) -> float:
-        """mu at rest and in slow motion."""
-        from dualcam.design_file.friction_tables import static_friction
+    def _friction_at_rest(self, number: int) -> tuple[float, LoadLaw | None]:
+        """mu at rest and in slow motion, without the factor of the load law, and this law."""
+        from dualcam.design.load_law import LoadPower, LoadSamples
+        from dualcam.design_file.friction_tables import static_samples
 
         if table := self.value(f"cam{number}.friction_table"):
-            return static_friction(Path(table))
-        return self.value(f"cam{number}.friction") * self.value(f"cam{number}.friction_peak")
+            loads, coefficients = static_samples(Path(table))
+            law = LoadSamples(loads, coefficients) if len(loads) > 1 else None
+            return coefficients[len(coefficients) // 2], law
+        exponent = self.value(f"cam{number}.friction_load_exponent")
+        return (
+            self.value(f"cam{number}.friction") * self.value(f"cam{number}.friction_peak"),
+            LoadPower(exponent, self.value(f"cam{number}.friction_load")) if exponent else None,
+        )
 
     def _named_groove(self, number: int) -> Groove:
         try:

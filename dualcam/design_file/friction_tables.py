@@ -66,10 +66,10 @@ def read_friction_table(path: Path) -> list[list[FrictionSample]]:
     return by_load
 
 
-def static_friction(path: Path) -> float:
-    """mu at rest; of a table with loads that at the middle load."""
-    by_load = read_friction_table(path)
-    return by_load[len(by_load) // 2][0].mu
+def static_samples(path: Path) -> tuple[list[float], list[float]]:
+    """Loads [N], growing, and mu at rest under each; one load, 0, where the table has none."""
+    at_rest = [samples[0] for samples in read_friction_table(path)]
+    return [sample.load for sample in at_rest], [sample.mu for sample in at_rest]
 
 
 def _sample(line: str, header: str, number: int) -> FrictionSample:

@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Protocol, runtime_checkable
 from dualcam.archive import read_members, write_archive
 from dualcam.design_file import as_design
 from dualcam.errors import DualcamWarning, ExportError
-from dualcam.export.component_files import with_files
 from dualcam.export.curves import START_INPUTS, Curves, slow_motion_curves
 from dualcam.export.description import TOKEN, Description, typed
 from dualcam.export.figures import figures
@@ -39,7 +38,6 @@ if TYPE_CHECKING:
     from dualcam.study.scenario import Scenario
 
 PAGE, BINARIES, RESOURCES = "documentation/index.html", "binaries/", "resources/"
-COMPONENT = ".wasm"  # the suffix of a WebAssembly component, which holds the tables itself
 
 
 @runtime_checkable
@@ -116,8 +114,8 @@ def export_fmu(design: Design | str | Path, path: str | Path, fmi: int = 2, mode
     Notes
     -----
     The binaries are those of the project's FMU, for all platforms that it holds. Only the block with GUID and
-    start values differs, and a WebAssembly component also holds the tables. So the exported FMU computes bit
-    for bit what the project's FMU computes with the same parameters. Tables become `cam1.csv` and `cam2.csv`
+    start values differs. So the exported FMU computes bit for bit what the project's FMU computes with the
+    same parameters. Tables become `cam1.csv` and `cam2.csv`
     in the FMU's resources. The inputs of a scenario that drives this model become `extra/scenario_in.csv`;
     the FMU's page shows how to play them. The same
     design and name give the same GUID and the same bytes; the figures depend on the version of Matplotlib.
@@ -284,8 +282,6 @@ def _binaries(
             renamed = str(place.with_name(plan.identifier + place.suffix))
             try:
                 found[renamed] = replace_start_values(content, guid, numbers, texts)
-                if place.suffix == COMPONENT:
-                    found[renamed] = with_files(found[renamed], plan.tables)
             except ExportError as error:
                 raise ExportError(f"{name} of the project's FMU: {error}") from error
     return found

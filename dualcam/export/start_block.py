@@ -21,8 +21,7 @@ from dualcam.export.description import AGAIN
 MARK = b"dualcam start values, layout 1\n\0"
 HEAD = struct.Struct("<32s4I64s")
 GUID_AT, GUID_SIZE = 48, 64
-WEBASSEMBLY = b"\0asm"
-ONE_PART = (b"\x7fELF", b"MZ", mach_o.THIN, WEBASSEMBLY)  # beginnings of binaries with one block
+ONE_PART = (b"\x7fELF", b"MZ", mach_o.THIN)  # beginnings of binaries with one block
 
 
 def replace_start_values(
@@ -33,8 +32,7 @@ def replace_start_values(
     Parameters
     ----------
     binary
-        Shared library for Linux, Windows or macOS; for macOS of one processor or of several. Or a WebAssembly
-        component.
+        Shared library for Linux, Windows or macOS; for macOS of one processor or of several.
     guid
         New GUID (FMI 3.0: instantiation token), up to 63 ASCII characters.
     numbers, texts
@@ -66,7 +64,7 @@ def _parts(binary: bytes) -> list[tuple[int, int]]:
         return mach_o.parts(binary)
     if binary.startswith(ONE_PART):
         return [(0, len(binary))]
-    raise ExportError(f"a binary begins with {binary[:4].hex()}: allowed are ELF, PE, Mach-O and WebAssembly")
+    raise ExportError(f"a binary begins with {binary[:4].hex()}: allowed are ELF, PE and Mach-O")
 
 
 @dataclass(frozen=True)

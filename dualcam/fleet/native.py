@@ -1,4 +1,4 @@
-"""The library of the C loops, fmu_src/fleet/fleet.h and runs.h: its structs and functions for ctypes."""
+"""The library of the C loops, dualcam/fleet/fleet.h and runs.h: its structs and functions for ctypes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The runs of a batch from C: the calls of a run as fmu_src/fleet/runs.h takes them.
+"""The runs of a batch from C: the calls of a run as dualcam/fleet/runs.h takes them.
 
 A call from Python takes 0.3 us besides the FMU's own time, a call from C some nanoseconds. Python's lock is
 free meanwhile."""

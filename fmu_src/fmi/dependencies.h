@@ -1,4 +1,4 @@
-/* The model structure: the rows of dependencies.def as tables. Each table ends with a row of VARIABLE_COUNT, since C
+/* The model structure: the rows of dependencies.def as tables. Each table ends with a row of REFERENCE_END, since C
  * has no empty arrays. */
 #ifndef DUALCAM_DEPENDENCIES_H
 #define DUALCAM_DEPENDENCIES_H
@@ -12,7 +12,7 @@ typedef struct {
     uint8_t kind;           /* a DependencyKind */
 } Dependency;
 
-_Static_assert(VARIABLE_COUNT < UINT8_MAX, "value references fit");
+_Static_assert(REFERENCE_END < UINT8_MAX, "value references fit");
 
 typedef struct {
     uint8_t derivative, state; /* value references */

@@ -73,8 +73,8 @@ fmi3Status fmi3SetString(fmi3Instance instance, const fmi3ValueReference valueRe
 /* ---- dependencies and derivatives ---- */
 
 static const Dependency *next_dependency(const Dependency *row, fmi3ValueReference unknown) {
-    while (row->unknown != VARIABLE_COUNT && row->unknown != unknown) row++; /* at most one turn per dependency */
-    return row->unknown != VARIABLE_COUNT ? row : NULL;
+    while (row->unknown != REFERENCE_END && row->unknown != unknown) row++; /* at most one turn per dependency */
+    return row->unknown != REFERENCE_END ? row : NULL;
 }
 
 /* Sets *first to the first dependency that holds in the present phase, or to NULL if there is none. */

@@ -166,7 +166,7 @@ _Static_assert(offsetof(Snapshot, inputs) - offsetof(Snapshot, params) == offset
 static bool are_parameters_allowed(const Snapshot *snapshot) {
     const double tolerance = snapshot->params.tolerance;
     if (!(tolerance >= TOLERANCE_MIN && tolerance <= TOLERANCE_MAX)) return false;
-    for (unsigned i = 0; i < LISTED_COUNT; i++)
+    for (unsigned i = 0; i < START_END; i++)
         if ((VARIABLES[i].group & (GROUP_PARAMS | GROUP_INPUTS)) != 0 && !is_allowed(snapshot, &VARIABLES[i]))
             return false;
     return true;

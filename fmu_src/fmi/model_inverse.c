@@ -117,7 +117,7 @@ void model_indicators(const FmuModel *m, double indicator[]) {
 
 unsigned model_state_reference(int state) {
     (void)state; /* there is no continuous state, so nobody calls this function */
-    return VARIABLE_COUNT;
+    return REFERENCE_END;
 }
 
 void model_update_discrete_states(FmuModel *m) {

@@ -1,4 +1,4 @@
-/* The FMU's variables as a table: one entry for each row of variables.def, in the order of value references. The table
+/* The FMU's variables as a table: one entry for each row of variables.def, at its value reference. The table
  * holds names, ranges, and where each value is; it knows neither FMI functions nor physics. */
 #ifndef DUALCAM_VARIABLES_H
 #define DUALCAM_VARIABLES_H
@@ -12,9 +12,11 @@
 #if MODEL_BUILT == MODEL_FORWARD
 #define IN_FORWARD(...) __VA_ARGS__
 #define IN_INVERSE(...)
+#define EACH(forward, inverse) forward
 #else
 #define IN_FORWARD(...)
 #define IN_INVERSE(...) __VA_ARGS__
+#define EACH(forward, inverse) inverse
 #endif
 #define IN_BOTH(...) __VA_ARGS__
 
@@ -69,12 +71,18 @@ typedef enum {
     UNIT_COUNT
 } UnitId;
 
-/* Value references: 0, 1, 2, ... of the variables that this FMU has. */
+/* Value references. */
 typedef enum {
-#define VARIABLE(model, kind, id, ...) IN_##model(VR_##id, )
+#define VARIABLE(model, vr, kind, id, ...) IN_##model(VR_##id = vr, )
 #include "variables.def"
-    VARIABLE_COUNT
 } VariableId;
+
+/* The size of this union is one more than the largest value reference of the FMU. */
+typedef union {
+#define VARIABLE(model, vr, kind, id, ...) IN_##model(char up_to_##id[vr + 1];)
+#include "variables.def"
+} Places;
+enum { REFERENCE_END = sizeof(Places) };
 
 typedef struct {
     const char *name;
@@ -124,29 +132,29 @@ enum { GUID_SIZE = 64, START_TEXT_SIZE = 128 }; /* bytes, terminating zero inclu
 #define TEXT_ID_BOOLEAN(id)
 #define TEXT_ID_TEXT(id) TEXT_##id,
 typedef enum {
-#define VARIABLE(model, kind, id, ...) IN_##model(TEXT_ID_##kind(id))
+#define VARIABLE(model, vr, kind, id, ...) IN_##model(TEXT_ID_##kind(id))
 #include "variables.def"
     TEXT_COUNT
 } TextId;
 
-/* The variables that are no locals: 0, 1, 2, ... as their value references, for the locals come last. */
-#define LISTED_PARAMETER(id) LISTED_##id,
-#define LISTED_INPUT LISTED_PARAMETER
-#define LISTED_OUTPUT LISTED_PARAMETER
-#define LISTED_LOCAL(id)
-#define LISTED_INDEPENDENT LISTED_LOCAL
-typedef enum {
-#define VARIABLE(model, kind, id, group, field, name, causality, ...) IN_##model(LISTED_##causality(id))
+/* One more than the largest value reference of a variable that is no local. */
+#define PLACE_PARAMETER(id, vr) char up_to_##id[vr + 1];
+#define PLACE_INPUT PLACE_PARAMETER
+#define PLACE_OUTPUT PLACE_PARAMETER
+#define PLACE_LOCAL(id, vr)
+#define PLACE_INDEPENDENT PLACE_LOCAL
+typedef union {
+#define VARIABLE(model, vr, kind, id, group, field, name, causality, ...) IN_##model(PLACE_##causality(id, vr))
 #include "variables.def"
-    LISTED_COUNT
-} ListedId;
+} StartPlaces;
+enum { START_END = sizeof(StartPlaces) };
 
 typedef struct {
     char mark[32];
     uint32_t size; /* bytes of the block */
     uint32_t number_count, text_count, text_size;
     char guid[GUID_SIZE];
-    double number[LISTED_COUNT]; /* by value reference; of a text its TextId; NAN: no start value */
+    double number[START_END]; /* by value reference; of a text its TextId; NAN: no start value */
     char text[TEXT_COUNT][START_TEXT_SIZE];
 } StartBlock;
 
@@ -155,12 +163,12 @@ typedef struct {
 } Guid;
 
 extern const Unit UNITS[UNIT_COUNT];
-extern const Variable VARIABLES[VARIABLE_COUNT];
-extern const Limits LIMITS[LISTED_COUNT]; /* by value reference; locals are never set */
+extern const Variable VARIABLES[REFERENCE_END]; /* by value reference; without a name where there is no variable */
+extern const Limits LIMITS[START_END];          /* by value reference; locals are never set */
 
 /* The variable with that value reference, or NULL. */
 static inline const Variable *variable_find(unsigned reference) {
-    return reference < VARIABLE_COUNT ? &VARIABLES[reference] : NULL;
+    return reference < REFERENCE_END && VARIABLES[reference].name != NULL ? &VARIABLES[reference] : NULL;
 }
 
 /* The Known of a tunable parameter, or -1. */

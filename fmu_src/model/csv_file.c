@@ -54,9 +54,10 @@ static FILE *open_in_resources(const CsvFile *csv, const char *resources) {
     FILE *file = platform_open(joined);
     free(joined);
     if (!file)
-        csv_refuse(csv, "%s. A relative path starts from the FMU's resources, \"%.*s\"%s", UNREADABLE,
-                   csv_quoted(resources, QUOTED_PATH), resources,
-                   PLATFORM_HAS_OTHER_FILES ? ": give an absolute path for a file elsewhere" : "");
+        csv_refuse(csv,
+                   "%s. A relative path starts from the FMU's resources, \"%.*s\": give an absolute path for a file "
+                   "elsewhere",
+                   UNREADABLE, csv_quoted(resources, QUOTED_PATH), resources);
     return file;
 }
 

@@ -17,13 +17,6 @@ enum { PLATFORM_HAS_SHARES = 1 };
 enum { PLATFORM_HAS_SHARES = 0 };
 #endif
 
-/* Are there files besides the FMU's resources? A WebAssembly component sees its own tables alone. */
-#ifdef __wasi__
-enum { PLATFORM_HAS_OTHER_FILES = 0 };
-#else
-enum { PLATFORM_HAS_OTHER_FILES = 1 };
-#endif
-
 /* fopen(path, "rb") with the path in UTF-8. NULL also where the path is no file, such as a directory or a pipe. */
 FILE *platform_open(const char *path);
 

@@ -5,7 +5,7 @@
     (none)      the FMUs for the machine on which the build runs: build/DualCamForward.fmu and
                 DualCamInverse.fmu (FMI 2.0), the same in build/fmi3 (FMI 3.0), and NullFmu.fmu
     all         the same FMUs, except NullFmu.fmu for every platform: Linux (x86-64, aarch64), Windows (64 and
-                32 bits), macOS (x86-64, arm64), and for FMI 3.0 WebAssembly; --all is the same word
+                32 bits), macOS (x86-64, arm64); --all is the same word
                 in both cases also build/web, for a browser: both models as WebAssembly, three.js
     --check     a committed modelDescription.xml that is out of date is an error; else it is rewritten
     --sanitize  the native test programs instead, with sanitizers; `--sanitize plain`: those for valgrind

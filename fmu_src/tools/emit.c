@@ -86,7 +86,7 @@ void put_categories_and_experiment(Sink *sink) {
 /* ---- units ---- */
 
 static bool is_used(int unit) {
-    for (unsigned i = 0; i < VARIABLE_COUNT; i++)
+    for (unsigned i = 0; i < REFERENCE_END; i++)
         if (VARIABLES[i].unit == (UnitId)unit) return true;
     return false;
 }
@@ -129,13 +129,13 @@ void put_types(Sink *sink, void (*put_type)(Sink *sink, const Unit *unit)) {
 /* ---- variables ---- */
 
 static const char *const DESCRIPTIONS[] = {
-#define VARIABLE(model, kind, id, group, field, name, causality, variability, unit, start, min, max, nominal, text)    \
+#define VARIABLE(model, vr, kind, id, group, field, name, causality, variability, unit, start, min, max, nominal, text)    \
     IN_##model([VR_##id] = text, )
 #include "variables.def"
 };
 
 static const Limits LIMITS_OF_ALL[] = {
-#define VARIABLE(model, kind, id, group, field, name, causality, variability, unit, start, min, max, nominal, text)    \
+#define VARIABLE(model, vr, kind, id, group, field, name, causality, variability, unit, start, min, max, nominal, text)    \
     IN_##model([VR_##id] = {min, max, nominal}, )
 #include "variables.def"
 };
@@ -194,13 +194,13 @@ void put_variable_attributes(Sink *sink, unsigned reference) {
 void put_dependencies(Sink *sink, unsigned unknown, const Dependency *list, unsigned (*number)(unsigned reference)) {
     const char *separator = "";
     put(sink, " dependencies=\"");
-    for (const Dependency *row = list; row->unknown != VARIABLE_COUNT; row++) {
+    for (const Dependency *row = list; row->unknown != REFERENCE_END; row++) {
         if (row->unknown != unknown) continue;
         print(sink, "%s%u", separator, number(row->known));
         separator = " ";
     }
     separator = "\" dependenciesKind=\"";
-    for (const Dependency *row = list; row->unknown != VARIABLE_COUNT; row++) {
+    for (const Dependency *row = list; row->unknown != REFERENCE_END; row++) {
         if (row->unknown != unknown) continue;
         print(sink, "%s%s", separator, row->kind == CONSTANT ? "constant" : "dependent");
         separator = " ";

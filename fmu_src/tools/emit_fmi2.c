@@ -12,27 +12,32 @@ static void put_type(Sink *sink, const Unit *unit) {
 }
 
 /* ---- variables ----
- * Each continuous state and each state derivative is listed a second time, under a name of its own, after all other
- * variables. The co-simulation master Maestro 3.1.1 fails if an output is a state: it takes the entry in the list of
+ * Each continuous state and each state derivative is listed a second time, under a name of its own. The co-simulation master Maestro 3.1.1 fails if an output is a state: it takes the entry in the list of
  * derivatives for an output derivative that it must hand on to interpolated inputs. */
 
 static unsigned derivative_count(void) {
     unsigned n = 0;
-    while (STATE_DERIVATIVES[n].derivative != VARIABLE_COUNT) n++;
+    while (STATE_DERIVATIVES[n].derivative != REFERENCE_END) n++;
     return n;
 }
 
+/* The second names stand before the variable with this value reference, the first one of those that came later: their
+ * indices stay when a variable is added. */
+enum { AFTER_SECOND_NAMES = 139 };
+
 /* Indices in the list of variables, from 1. */
 static unsigned index_of(unsigned reference) {
-    return reference + 1;
+    unsigned index = reference < AFTER_SECOND_NAMES ? 1 : 1 + 2 * derivative_count();
+    for (unsigned i = 0; i < reference; i++) index += variable_find(i) != NULL ? 1 : 0;
+    return index;
 }
 
 static unsigned index_of_state(unsigned row) {
-    return VARIABLE_COUNT + row + 1;
+    return index_of(AFTER_SECOND_NAMES - 1) + 1 + row;
 }
 
 static unsigned index_of_derivative(unsigned row) {
-    return VARIABLE_COUNT + derivative_count() + row + 1;
+    return index_of_state(row) + derivative_count();
 }
 
 static unsigned index_of_known(unsigned reference) {
@@ -66,7 +71,7 @@ static void put_second_name(Sink *sink, unsigned reference, const char *format, 
 }
 
 static void put_states(Sink *sink) {
-    for (const StateDerivative *row = STATE_DERIVATIVES; row->derivative != VARIABLE_COUNT; row++) {
+    for (const StateDerivative *row = STATE_DERIVATIVES; row->derivative != REFERENCE_END; row++) {
         put_second_name(sink, row->state, "state.%s", VARIABLES[row->state].name);
         put(sink, " reinit=\"true\"/>\n    </ScalarVariable>\n"); /* at end stops, and at rest by friction */
     }
@@ -78,10 +83,16 @@ static void put_states(Sink *sink) {
     }
 }
 
+static void put_variables_between(Sink *sink, unsigned begin, unsigned end) {
+    for (unsigned i = begin; i < end; i++)
+        if (variable_find(i) != NULL) put_variable(sink, i);
+}
+
 static void put_variables(Sink *sink) {
     put(sink, "  <ModelVariables>\n");
-    for (unsigned i = 0; i < VARIABLE_COUNT; i++) put_variable(sink, i);
+    put_variables_between(sink, 0, AFTER_SECOND_NAMES);
     put_states(sink);
+    put_variables_between(sink, AFTER_SECOND_NAMES, REFERENCE_END);
     put(sink, "  </ModelVariables>\n");
 }
 
@@ -94,7 +105,7 @@ static void put_unknown(Sink *sink, unsigned index, unsigned reference, const De
 }
 
 static void put_outputs(Sink *sink, const Dependency *list) {
-    for (unsigned i = 0; i < VARIABLE_COUNT; i++)
+    for (unsigned i = 0; i < REFERENCE_END; i++)
         if (is_output(i)) put_unknown(sink, index_of(i), i, list);
 }
 

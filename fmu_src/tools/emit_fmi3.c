@@ -18,19 +18,19 @@ static bool is_intermediate(const Variable *variable) {
     return variable->causality == CAUSALITY_OUTPUT || (SAMPLES_INPUTS && variable->causality == CAUSALITY_INPUT);
 }
 
-/* The continuous state whose derivative the variable is, or VARIABLE_COUNT. */
+/* The continuous state whose derivative the variable is, or REFERENCE_END. */
 static unsigned state_of(unsigned reference) {
-    for (const StateDerivative *row = STATE_DERIVATIVES; row->derivative != VARIABLE_COUNT; row++)
+    for (const StateDerivative *row = STATE_DERIVATIVES; row->derivative != REFERENCE_END; row++)
         if (row->derivative == reference) return row->state;
-    return VARIABLE_COUNT;
+    return REFERENCE_END;
 }
 
 static bool is_derivative(unsigned reference) {
-    return state_of(reference) != VARIABLE_COUNT;
+    return state_of(reference) != REFERENCE_END;
 }
 
 static bool is_state(unsigned reference) {
-    for (const StateDerivative *row = STATE_DERIVATIVES; row->derivative != VARIABLE_COUNT; row++)
+    for (const StateDerivative *row = STATE_DERIVATIVES; row->derivative != REFERENCE_END; row++)
         if (row->state == reference) return true;
     return false;
 }
@@ -60,7 +60,8 @@ static void put_variable(Sink *sink, unsigned reference) {
 
 static void put_variables(Sink *sink) {
     put(sink, "  <ModelVariables>\n");
-    for (unsigned i = 0; i < VARIABLE_COUNT; i++) put_variable(sink, i);
+    for (unsigned i = 0; i < REFERENCE_END; i++)
+        if (variable_find(i) != NULL) put_variable(sink, i);
     put(sink, "  </ModelVariables>\n");
 }
 
@@ -71,7 +72,7 @@ static unsigned reference_of(unsigned reference) {
 }
 
 static void put_unknowns(Sink *sink, const char *element, bool (*is_one)(unsigned), const Dependency *list) {
-    for (unsigned i = 0; i < VARIABLE_COUNT; i++) {
+    for (unsigned i = 0; i < REFERENCE_END; i++) {
         if (!is_one(i)) continue;
         print(sink, "    <%s", element);
         put_number(sink, "valueReference", i);

@@ -16,10 +16,8 @@ from compiler import compile_program, run
 from workspace import (
     BARE,
     BUILD,
-    COMPONENT_ROOM,
     CORE,
     DESCRIPTIONS,
-    FLEET,
     ROOT,
     TOOLS,
     WEB_ROOM,
@@ -71,10 +69,10 @@ def identity(fmu: Fmu) -> list[str]:
 
 
 def core_files(identifier: str, version: int, suffixes: Sequence[str]) -> list[Path]:
-    """The files of one FMU in the rooms of fmu_src. Left out are `component`, `fleet` and `web`."""
+    """The files of one FMU in the rooms of fmu_src. Left out is `web`."""
     others = [f"model_{model}." for name, model in MODELS.items() if name != identifier]
     others += [beginning for v, names in ONLY_IN.items() if v != version for beginning in names]
-    outside = {TOOLS, COMPONENT_ROOM, FLEET, WEB_ROOM}
+    outside = {TOOLS, WEB_ROOM}
     files = [p for p in CORE.rglob("*") if p.suffix in suffixes and not outside & {*p.parents}]
     return sorted(p for p in files if not p.name.startswith(tuple(others)))
 

@@ -10,7 +10,6 @@ import struct
 from dataclasses import dataclass
 from pathlib import Path
 
-from webassembly.interface import FOLDER as COMPONENT_FOLDER
 from workspace import BuildError, place
 
 NEWEST_GLIBC = (2, 17)  # the newest version of the GNU C library that a binary may need
@@ -19,8 +18,6 @@ X86_LINUX, ARM_LINUX = f"x86_64-linux-{GLIBC}", f"aarch64-linux-{GLIBC}"
 X86_MAC, ARM_MAC = "x86_64-macos.11.0", "aarch64-macos.11.0"
 # Windows 10 and newer, where the C library (ucrt) belongs to the system.
 X86_WINDOWS, X86_32_WINDOWS = "x86_64-windows-gnu", "x86-windows-gnu"
-WASM = "wasm32-wasi"
-STACK = 1 << 20  # bytes, of WebAssembly
 
 WARNINGS = ("-Wall", "-Wextra", "-Wconversion", "-Wshadow", "-Wpedantic", "-Werror")
 # -ffp-contract=off forbids fused multiply-add: all bits are the same on every processor (./build.sh hash). On
@@ -35,7 +32,7 @@ FRAMES = "-fomit-frame-pointer"
 LIBRARY = ("-fPIC", "-fvisibility=hidden", FRAMES)
 OPTIMISATION = "-O3"
 # Link-time optimisation inlines across files and drops functions that nobody calls. The linker for macOS has
-# none. On Windows a binary would grow by a tenth, beyond the 360,000 bytes that it may have.
+# none. On Windows a binary would grow by a tenth.
 LTO = "-flto"
 # Without LTO, the linker drops functions that nobody calls where each function has a section of its own.
 SECTIONS = ("-ffunction-sections", "-fdata-sections")
@@ -59,22 +56,12 @@ class Platform:
         return place(self.version) / self.folder / f"{identifier}{self.suffix}"
 
     @property
-    def is_webassembly(self) -> bool:
-        """In an FMU the linked core is then wrapped into a component (webassembly/component.py)."""
-        return self.suffix == ".wasm"
-
-    @property
     def compilation(self) -> list[str]:
         """Options for each C file."""
-        if self.is_webassembly:
-            return [OPTIMISATION, "-fvisibility=hidden", LTO]
         return [OPTIMISATION, *LIBRARY, *([LTO] if self.suffix == ".so" else SECTIONS)]
 
     def linking(self, identifier: str) -> list[str]:
         """Options that make one library from the compiled files."""
-        if self.is_webassembly:  # `reactor` is WASI's name of a module without main()
-            # The linker's default of 16 MB would be in the memory of each instance of the component.
-            return [OPTIMISATION, "-mexec-model=reactor", "-s", LTO, f"-Wl,-z,stack-size={STACK}"]
         options = [OPTIMISATION, "-shared", "-s"]
         if self.suffix == ".so":  # -z defs: an undefined symbol is an error, as on the other systems anyway
             return [*options, LTO, "-Wl,-z,defs"]
@@ -100,11 +87,8 @@ PLATFORMS_3 = (
     Platform("x86-windows", (X86_32_WINDOWS,), ".dll", 3),
     Platform("x86_64-darwin", (X86_MAC,), ".dylib", 3),
     Platform("aarch64-darwin", (ARM_MAC,), ".dylib", 3),
-    Platform(COMPONENT_FOLDER, (WASM,), ".wasm", 3),
 )
 ALL = {2: PLATFORMS, 3: PLATFORMS_3}
-# Those of operating systems, by the names of FMI 3.0.
-NATIVE = tuple(platform for platform in PLATFORMS_3 if not platform.is_webassembly)
 
 # ---- the machine on which the build runs ----
 

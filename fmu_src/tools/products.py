@@ -11,16 +11,13 @@ from pathlib import Path
 from archive import validate, write_archive
 from compiler import compile_library, universal
 from fmus import Fmu, identity
-from platforms import ALL, NATIVE, Platform, host_platform
+from platforms import ALL, PLATFORMS_3, Platform, host_platform
 from related_files import FOLDER, SMOKE_TEST, STATE, manifest, related_files
 from serialized_state import serialized_state
-from webassembly.component import wrapped
-from webassembly.interface import manifests
 from workspace import (
     BUILD,
     FLEET,
     build_program,
-    component_files,
     fingerprint,
     headers,
     is_fresh,
@@ -34,19 +31,16 @@ def build_library(fmu: Fmu, platform: Platform) -> Path:
     """The library of `fmu` for `platform`."""
     library = platform.library(fmu.identifier)
     defines = [*fmu.defines, *identity(fmu)]
-    apart = component_files() if platform.is_webassembly else []
-    sources = [*fmu.sources, *sorted(path for path in apart if path.suffix == ".c")]
-    inputs = [*fmu.sources, *apart, *headers(), *build_program()]
+    inputs = [*fmu.sources, *headers(), *build_program()]
     stamp = fingerprint(inputs, platform.folder, *platform.targets, *defines)
     if is_fresh(library, stamp):
         return library
-    say(f"compile {relative(library)} ({len(sources)} files)")
+    say(f"compile {relative(library)} ({len(fmu.sources)} files)")
     slices = []
     for target in platform.targets:
         part = BUILD / "parts" / f"fmi{fmu.version}" / target / library.name
-        compile_library(platform, target, defines, sources, part)
-        content = part.read_bytes()
-        slices.append(wrapped(content) if platform.is_webassembly else content)
+        compile_library(platform, target, defines, fmu.sources, part)
+        slices.append(part.read_bytes())
     library.parent.mkdir(parents=True, exist_ok=True)
     library.write_bytes(slices[0] if len(slices) == 1 else universal(slices))
     set_stamp(library, stamp)
@@ -57,7 +51,7 @@ def build_fleet(platform: Platform) -> Path:
     """The library of `dualcam.Fleet` for `platform`, one of FMI 3.0's."""
     library = BUILD / "fleet" / platform.folder / f"dualcam_fleet{platform.suffix}"
     sources = sorted(FLEET.glob("*.c"))
-    stamp = fingerprint([*sources, *headers(), *build_program()], *platform.targets)
+    stamp = fingerprint([*FLEET.glob("*.[ch]"), *build_program()], *platform.targets)
     if not is_fresh(library, stamp):
         say(f"compile {relative(library)} ({len(sources)} files)")
         compile_library(platform, platform.targets[0], [], sources, library)
@@ -67,7 +61,7 @@ def build_fleet(platform: Platform) -> Path:
 
 def build_fleets(for_all: bool = False) -> list[Path]:
     """The library of `dualcam.Fleet` for this machine or, with `for_all`, for all platforms."""
-    return [build_fleet(platform) for platform in (NATIVE if for_all else (host_platform(3),))]
+    return [build_fleet(platform) for platform in (PLATFORMS_3 if for_all else (host_platform(3),))]
 
 
 def build(fmu: Fmu, for_all: bool = False) -> None:
@@ -76,7 +70,6 @@ def build(fmu: Fmu, for_all: bool = False) -> None:
     every = ALL[fmu.version]
     platforms = every if for_all else (host_platform(fmu.version),)
     inputs = [*fmu.sources, *fmu.extra.values(), *headers(), *build_program()]
-    inputs += component_files() if fmu.version == 3 else []
 
     def stamp(held: Sequence[Platform]) -> str:
         folders = [platform.folder for platform in held]
@@ -92,8 +85,6 @@ def build(fmu: Fmu, for_all: bool = False) -> None:
         library = build_library(fmu, platform)
         members[f"binaries/{platform.folder}/{library.name}"] = library.read_bytes()
     members |= _layered_standard(fmu, platforms)
-    if any(platform.is_webassembly for platform in platforms):
-        members |= {name: text.encode() for name, text in manifests().items()}
     unfinished = fmu.path.with_suffix(f".{os.getpid()}.fmu")
     try:
         write_archive(unfinished, members)

@@ -1,10 +1,9 @@
-"""Looks for mistakes in fmu_src without running the code: clang-tidy, cppcheck and the analyzer of gcc.
+"""Looks for mistakes in the C code without running the code: clang-tidy, cppcheck and the analyzer of gcc.
 
     python fmu_src/tools/static_analysis.py
 
 clang-tidy and cppcheck come with the extra `check`. clang-tidy holds the analyzer that scan-build calls.
-Without gcc, its analyzer is left out, and this is told. The room `component`, compiled for WebAssembly
-alone, is left out. Exit code 1: a tool has found something.
+Without gcc, its analyzer is left out, and this is told. Exit code 1: a tool has found something.
 """
 
 from __future__ import annotations
@@ -24,11 +23,10 @@ from compiler import ROOM_OF_THE_FMU, fmi_headers
 from fmus import MODELS, core_sources, model_defines
 from platforms import ARITHMETIC
 from rich.progress import track
-from workspace import CORE, ROOT, relative
+from workspace import FLEET, ROOT, relative
 
 INCLUDES = ("-Ifmu_src", f"-I{fmi_headers()}")
 VERSIONS = (2, 3)
-FLEET = "fleet"  # the room outside the FMUs that is compiled for the machine itself
 
 # False findings of clang-tidy, with the reason.
 FALSE_OF_CLANG_TIDY = {
@@ -98,7 +96,7 @@ def units() -> list[Unit]:
         for version in VERSIONS
         for source in core_sources(identifier, version)
     }
-    found |= {Unit(source, ()) for source in (CORE / FLEET).glob("*.c")}
+    found |= {Unit(source, ()) for source in FLEET.glob("*.c")}
     return sorted(found, key=lambda unit: (unit.source, unit.defines))
 
 

@@ -14,7 +14,7 @@ from pathlib import Path
 import npm_package
 from compiler import compile_library
 from fmus import Fmu, identity
-from platforms import LTO, OPTIMISATION, WASM, Platform
+from platforms import LTO, OPTIMISATION, Platform
 from workspace import (
     BUILD,
     TOOLS,
@@ -29,6 +29,7 @@ from workspace import (
 )
 
 WEB = BUILD / "web"
+WASM = "wasm32-wasi"
 
 
 @dataclass(frozen=True)
@@ -38,6 +39,10 @@ class WebAssembly(Platform):
 
     The compiler forms no fused multiply-add and no relaxed SIMD, so that all bits are those of other
     platforms."""
+
+    @property
+    def compilation(self) -> list[str]:
+        return [OPTIMISATION, "-fvisibility=hidden", LTO]
 
     def linking(self, identifier: str) -> list[str]:
         exports = ["-rdynamic", "-Wl,--export=malloc", "-Wl,--export=free"]

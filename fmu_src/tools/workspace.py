@@ -17,8 +17,7 @@ from filelock import FileLock
 ROOT = Path(__file__).resolve().parent.parent.parent
 CORE = ROOT / "fmu_src"
 TOOLS = CORE / "tools"
-COMPONENT_ROOM = CORE / "component"  # C code of the WebAssembly component alone
-FLEET = CORE / "fleet"  # the library of dualcam.Fleet, which is part of no FMU
+FLEET = ROOT / "dualcam/fleet"  # with the C code of the library of dualcam.Fleet
 WEB_ROOM = CORE / "web"  # C code of the modules for a browser, of no FMU
 BUILD = ROOT / "build"
 DESCRIPTIONS = ROOT / "modelDescription"
@@ -52,11 +51,6 @@ def build_program() -> list[Path]:
     """The modules of the build on which the bytes of the products depend, for example by a compiler option.
     The other modules make members and texts, which are inputs themselves."""
     return [TOOLS / f"{name}.py" for name in ("archive", "compiler", "platforms", "products")]
-
-
-def component_files() -> list[Path]:
-    """The files that only the WebAssembly component depends on."""
-    return [*COMPONENT_ROOM.glob("*.c"), *(TOOLS / "webassembly").glob("*.py")]
 
 
 @cache

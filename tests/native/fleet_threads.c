@@ -1,4 +1,4 @@
-/* A fleet of several threads gives the bits of a fleet of one. For ThreadSanitizer, linked with fmu_src/fleet.
+/* A fleet of several threads gives the bits of a fleet of one. For ThreadSanitizer, linked with dualcam/fleet.
  *
  *     fleet_threads binary guid reference-of-tau reference-of-theta
  */
@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "fleet/fleet.h"
+#include "../../dualcam/fleet/fleet.h"
 
 enum { COUNT = 96, STEPS = 50, ROLLS = 8, THREADS = 4 };
 

@@ -21,6 +21,8 @@ class Bench:
     peak: float = 1.0
     stribeck_velocity: float = 0.01
     viscous: float = 0.0
+    load_exponent: float = 0.0
+    load: float = 100.0  # of one of two contacts, N
     preload: float = 50.0
     stiffness: float = 50e3
     damping: float = 0.0  # of the damper in both directions, N.s/m
@@ -34,14 +36,16 @@ class Bench:
         slope = [r * np.tan(lead) for r, lead in zip(self.radius, self.lead, strict=True)]
         shares = [slope[1] / sum(slope), slope[0] / sum(slope)]  # of theta at cam 1 and cam 2
         ratio = slope[0] * slope[1] / sum(slope)
+        z, v = ratio * theta, ratio * omega
+        axial = self.preload + self.stiffness * z + force + self.damping * v
         kappa = 0.0
         for r, lead, mu, share in zip(self.radius, self.lead, self.friction, shares, strict=True):
             speed = np.abs(omega) * share * r / np.cos(lead)
             law = mu * (1 + (self.peak - 1) * np.exp(-((speed / self.stribeck_velocity) ** 2)))
+            nominal = np.abs(axial) * share / np.cos(lead) / 2
+            law = law * ((nominal / self.load) ** 2 + 0.01) ** (self.load_exponent / 2)
             kappa = kappa + 1.0 / (np.tan(lead + sigma * np.arctan(law + self.viscous * speed)) * r)
-        z, v = ratio * theta, ratio * omega
-        axial = self.preload + self.stiffness * z + force + self.damping * v + self.mass * ratio * alpha
-        return axial / kappa + self.shaft_damping * omega + self.shaft * alpha
+        return (axial + self.mass * ratio * alpha) / kappa + self.shaft_damping * omega + self.shaft * alpha
 
     def band(self, theta):
         """Edges of the stick band."""

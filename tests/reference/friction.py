@@ -1,38 +1,22 @@
-"""Friction that depends on the sliding speed and on the reaction (docs/mechanism.md, section 9)."""
+"""Friction that depends on the sliding speed and on the nominal load (docs/mechanism.md, section 9)."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from scipy.interpolate import BPoly, CubicSpline
-from scipy.optimize import brentq, fsolve
 
-from .parameters import Refused
-
-LEVEL = 0.01  # of R_ref: below this reaction the coefficient levels off
-
-
-def log_load(share: float) -> float:
-    """ln(R/R_ref), levelled off below LEVEL: four terms of the series of ln(share^2)/2 about LEVEL^2."""
-    if share >= LEVEL:
-        return math.log(share)
-    below = 1 - (share / LEVEL) ** 2
-    return math.log(LEVEL) - sum(below**k / k for k in range(1, 5)) / 2
-
-
-def log_load_power(share: float) -> float:
-    """d log_load/d ln share: the part of nu that acts."""
-    return 1.0 if share >= LEVEL else 1 - (1 - (share / LEVEL) ** 2) ** 4
+LOW = 0.1  # of N_ref: keeps mu finite without load
 
 
 @dataclass(frozen=True)
 class FrictionLaw:
-    """mu(v, R) of one contact."""
+    """mu(v, N) of one contact."""
 
     kinetic: Any
     peak: Any
@@ -65,31 +49,25 @@ class FrictionLaw:
 
     @property
     def is_loaded(self) -> bool:
-        """Does mu depend on the reaction?"""
+        """Does mu depend on the nominal load?"""
         return bool(self.kinetic * self.load_exponent != 0)
 
     @property
     def static(self) -> Any:
-        """mu(0+, R_ref)"""
+        """The static coefficient of a law that does not depend on the load."""
         return self.kinetic * self.peak
 
-    def at(self, v: Any, reaction: Any = None) -> Any:
-        """mu at the sliding speed v and the reaction of one contact. A trial step of the integrator may
-        ask for a small negative speed."""
+    def at(self, v: Any, load: Any = None) -> Any:
+        """mu at the sliding speed v and the nominal load of one contact; None: without the factor of the
+        load. A trial step of the integrator may ask for a small negative speed."""
         if not self.varies and not self.is_loaded:
             return self.kinetic
         ratio = max(v / self.stribeck_velocity, -2.0)
         fall = math.exp(-(ratio**self.stribeck_exponent))
         dry = self.kinetic * (1 + (self.peak - 1) * fall)
-        if self.is_loaded and reaction is not None:
-            dry *= math.exp(self.load_exponent * log_load(float(abs(reaction) / self.load)))
+        if self.is_loaded and load is not None:
+            dry *= ((load / self.load) ** 2 + LOW**2) ** (self.load_exponent / 2)
         return dry + self.viscous * v
-
-    def tangent(self, v: Any, reaction: Any) -> Any:
-        """d(mu R)/dR"""
-        lubricated = self.viscous * v
-        power = self.load_exponent * log_load_power(abs(reaction) / self.load)
-        return (1 + power) * (self.at(v, reaction) - lubricated) + lubricated
 
 
 class TableLaw:
@@ -141,15 +119,15 @@ class TableLaw:
         slopes = self.curve.derivative()(np.linspace(0, self.end, 2001))
         self.viscous = float(np.abs(slopes).max() * mu.max())  # 1/(m/s), for an estimate of rates alone
 
-    def at(self, v: Any, reaction: Any = None) -> Any:
+    def at(self, v: Any, load: Any = None) -> Any:
         if v >= self.end:
             return self.last
         return float(np.exp(self.curve(max(v, 0.0))))
 
 
 class LoadedTableLaw:
-    """mu(v, R) through samples: at each load a TableLaw; over ln R the natural cubic spline of ln mu, and
-    beyond the loads a power of R."""
+    """mu(v, N) through samples: at each load a TableLaw; over ln N the cubic spline of ln mu with slope zero
+    at both ends. Beyond the loads mu stays at the last value."""
 
     varies, is_loaded, peak, stribeck_velocity = True, True, 1.0, 1.0
 
@@ -157,85 +135,11 @@ class LoadedTableLaw:
         self.loads, self.by_load = loads, by_load
         middle = by_load[len(loads) // 2]
         self.static, self.kinetic, self.viscous = middle.static, middle.kinetic, middle.viscous
-        self.x = np.log(loads)
-        # The natural spline is linear in its values: these go through 1 at one load and through 0 elsewhere.
-        self.cardinal = CubicSpline(self.x, np.eye(len(loads)), bc_type="natural")
-        self.speed, self.values = math.nan, np.zeros(len(loads))  # ln mu at each load, of the last speed
+        # The spline is linear in its values: these go through 1 at one load and through 0 elsewhere.
+        self.cardinal = CubicSpline(np.log(loads), np.eye(len(loads)), bc_type="clamped")
 
-    def _at_speed(self, v: float) -> np.ndarray:
-        if v != self.speed:
-            self.speed, self.values = v, np.log([law.at(v) for law in self.by_load])
-        return self.values
-
-    def _log(self, v: Any, reaction: Any) -> tuple[float, float]:
-        """ln mu and its derivative by ln R."""
-        values, x, share = self._at_speed(v), self.x, reaction / self.loads[0]
-        place = x[0] + log_load(share)
-        inside = min(max(place, x[0]), x[-1])
-        slope = float(self.cardinal(inside, 1) @ values)
-        return float(self.cardinal(inside) @ values) + slope * (place - inside), slope * log_load_power(share)
-
-    def at(self, v: Any, reaction: Any = None) -> Any:
-        if reaction is None:
+    def at(self, v: Any, load: Any = None) -> Any:
+        if load is None:
             return self.by_load[len(self.loads) // 2].at(v)
-        return math.exp(self._log(v, abs(reaction))[0])
-
-    def tangent(self, v: Any, reaction: Any) -> Any:
-        """d(mu R)/dR"""
-        log_mu, slope = self._log(v, abs(reaction))
-        return math.exp(log_mu) * (1 + slope)
-
-
-# ---- a pin under given loads, from the equations of section 9 ----
-
-
-@dataclass(frozen=True)
-class LoadedContact:
-    """One contact: r_i, s_i, the law, the sliding speed, the number of pin ends and e_i sigma."""
-
-    radius: float
-    lead: float  # s_i
-    law: FrictionLaw
-    speed: float
-    ends: int
-    turn: int  # e_i sigma
-
-    def torque(self, reaction: float) -> float:
-        """T_i on the flank e_i = 1"""
-        mu = self.law.at(self.speed, reaction)
-        h = math.hypot(1.0, self.lead)
-        return self.ends * reaction * self.radius * (self.lead + self.turn * mu) / h
-
-    def axial(self, reaction: float) -> float:
-        mu = self.law.at(self.speed, reaction)
-        return self.ends * reaction * (1 - self.turn * mu * self.lead) / math.hypot(1.0, self.lead)
-
-    def grows(self, reaction: float) -> bool:
-        """R (s + e sigma mu(R)) grows with R."""
-        return self.lead + self.turn * self.law.tangent(self.speed, reaction) > 0
-
-
-def reactions_under(contacts: tuple[LoadedContact, LoadedContact], axial: float, moment: float) -> np.ndarray:
-    """Both reactions R_i of one contact under the axial load A > 0 and the moment W, on the flanks e_i = 1:
-    T_2 - T_1 = W and the axial balance, solved by SciPy. Raises Refused where SciPy finds none."""
-
-    def residual(log_r: np.ndarray) -> list[float]:
-        r = np.exp(log_r)
-        torque = [c.torque(x) for c, x in zip(contacts, r, strict=True)]
-        size = sum(abs(t) for t in torque) + abs(moment)
-        carried = sum(c.axial(x) for c, x in zip(contacts, r, strict=True))
-        return [(carried - axial) / axial, (torque[1] - torque[0] - moment) / size]
-
-    start = np.log([axial / contacts[0].ends / 2] * 2)
-    found, _, _, _ = fsolve(residual, start, xtol=1e-15, full_output=True)
-    if max(abs(x) for x in residual(found)) > 1e-11:
-        raise Refused("no reactions found")
-    return np.exp(found)
-
-
-def torque_of_symmetric_edge(
-    contact: LoadedContact, axial: float, bracket: tuple[float, float] = (1e-12, 1e9)
-) -> float:
-    """N.m: the edge of the stick band of two equal contacts under F_0 = `axial`, by bisection."""
-    carried: Callable[[float], float] = lambda r: 2 * contact.axial(r) - axial  # noqa: E731
-    return contact.torque(brentq(carried, *bracket, xtol=1e-300, rtol=1e-15))
+        inside = min(max(load, self.loads[0]), self.loads[-1])
+        return math.exp(float(self.cardinal(math.log(inside)) @ np.log([law.at(v) for law in self.by_load])))

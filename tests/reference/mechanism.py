@@ -3,14 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import Any, NamedTuple
 
-import numpy as np
-from numpy.polynomial import Polynomial as Power
-from scipy.optimize import brentq
-
-from .answers_at_rest import answers_at_rest
 from .arithmetic import DOUBLE, Arithmetic, Number
 from .friction import FrictionLaw
 from .grooves import HELIX, groove_of
@@ -63,7 +57,7 @@ class Mechanism:
         self.r1, self.r2 = p["cam1.radius"], p["cam2.radius"]
         self.laws = FrictionLaw.of_cam(p, 1), FrictionLaw.of_cam(p, 2)
         self.friction_varies = any(law.varies for law in self.laws)
-        self.mu1, self.mu2 = (law.static for law in self.laws)  # at rest, at the reference load
+        self.mu1, self.mu2 = (law.static for law in self.laws)  # at rest, without the factor of the load
         self.is_loaded = any(law.is_loaded for law in self.laws)
         self.spring = [p["spring.preload"]] + [p[f"spring.stiffness{i}"] for i in ("", "2", "3")]
         self.damper = {
@@ -80,11 +74,14 @@ class Mechanism:
         self.theta0, self.omega0 = p["initial.theta"], p["initial.omega"]
         self.contacts = p["contacts"]
         self.inertial = bool(self.J + self.m + self.I > 0)
-        self._jacobians: dict[Slip, tuple[np.ndarray, np.ndarray]] = {}
         self._balances: dict[Slip, tuple[Number, Number, Balance]] = {}
         self.linear = not any(self.spring[2:]) and not any(q for _, q in self.damper.values())
         self.linear = self.linear and isinstance(self.groove, Helices)
         self.linear = self.linear and not self.friction_varies and not self.is_loaded
+        if not self.inertial and self.friction_varies:
+            raise Refused("friction that varies with the speed needs an inertia")
+        if not self.inertial and self.is_loaded and (self.viscous(+1) or self.viscous(-1)):
+            raise Refused("friction that depends on the load of a damper needs an inertia")
 
     def _grooves(self, p: Params) -> Helices | Grooves:
         """Two plain helices in closed form; anything else in double precision."""
@@ -102,7 +99,7 @@ class Mechanism:
 
     def viscous(self, sigma: int) -> bool:
         """Without inertia: does any damper act in this direction?"""
-        return bool(self.b + sum(self.damper[sigma]) + sum(law.viscous for law in self.laws) > 0)
+        return bool(self.b + sum(self.damper[sigma]) > 0)
 
     def spring_force(self, z: Number) -> Number:
         force, k, k2, k3 = self.spring
@@ -131,17 +128,27 @@ class Mechanism:
             (1 - kin.dgamma) * (self.r2**2 + kin.a2**2) ** half,
         )
 
-    def friction(self, kin: Kinematics, slip: Slip, omega: Number) -> tuple[Number, Number]:
-        """mu of both contacts at the speed omega."""
-        if not self.friction_varies:
+    def nominal_loads(self, kin: Kinematics, axial: Number) -> tuple[Number, Number]:
+        """N_i: the reactions of one contact under the axial load, without friction and inertia."""
+        return self.reactions(kin, *self.shared(kin, axial))
+
+    def friction(
+        self, kin: Kinematics, slip: Slip, omega: Number = 0, axial: Number | None = None
+    ) -> tuple[Number, Number]:
+        """mu of both contacts at the speed omega, under the nominal loads of F = `axial`; None: without the
+        factor of the load."""
+        if not self.friction_varies and not self.is_loaded:
             return self.mu1, self.mu2
+        loads = (None, None) if axial is None else self.nominal_loads(kin, axial)
         first, second = self.sliding(kin)
         v = slip.sigma * omega
-        return self.laws[0].at(v * first), self.laws[1].at(v * second)
+        return self.laws[0].at(v * first, loads[0]), self.laws[1].at(v * second, loads[1])
 
-    def balance(self, kin: Kinematics, slip: Slip, omega: Number = 0) -> Balance:
-        if self.friction_varies and omega != 0:
-            return self._balance(kin, slip, self.friction(kin, slip, omega))
+    def balance(
+        self, kin: Kinematics, slip: Slip, omega: Number = 0, axial: Number | None = None
+    ) -> Balance:
+        if (self.friction_varies and omega != 0) or (self.is_loaded and axial is not None):
+            return self._balance(kin, slip, self.friction(kin, slip, omega, axial))
         known = self._balances.get(slip)
         if known is None or known[0] is not kin.a1 or known[1] is not kin.a2:
             known = self._balances[slip] = (
@@ -161,52 +168,22 @@ class Mechanism:
     def static_ratio(self, kin: Kinematics, direction: int, f0: Number | None = None) -> Number | None:
         """Edge of the stick band per unit of F_0 > 0 for motion in `direction`; None if no torque starts it.
         F_0 < 0 mirrors: the ratio for (sigma, F_0) is that for direction sigma * sign(F_0). Where friction
-        depends on the load, the ratio is that under |f0|."""
-        return next(iter(self.static_ratios(kin, direction, f0)), None)
-
-    def static_ratios(self, kin: Kinematics, direction: int, f0: Number | None = None) -> list[Number]:
-        """Those of all pairs of flanks: of the flanks that support F_0 first, then the largest first, which a
-        torque that falls reaches first. Without a law over the load the first one alone."""
-        found: list[tuple[tuple[int, int], Number]] = []
+        depends on the load, the ratio is that under f0."""
         for e in [(1, 1), (1, -1), (-1, 1), (-1, -1)] if direction < 0 else [(1, 1)]:
-            q = self.balance(kin, Slip(direction, e))
-            if self.is_loaded and f0 is not None:
-                loaded = self._loaded_edge(kin, Slip(direction, e), abs(f0))
-                if loaded is None:
-                    continue
-                q = loaded
+            q = self.balance(kin, Slip(direction, e), 0, f0)
             if q.delta == 0 or (direction > 0 and q.delta < 0):
                 continue
             x1, x2 = self.r2 * q.n2 / q.delta, self.r1 * q.n1 / q.delta
             if (e[0] * x1 >= 0 or self.mu1 == 0) and (e[1] * x2 >= 0 or self.mu2 == 0):
-                found.append((e, q.product / q.delta))
-                if not self.is_loaded:
-                    break
-        return [ratio for _, ratio in sorted(found, key=lambda one: (one[0] != (1, 1), -one[1]))]
+                return q.product / q.delta
+        return None
 
     def load(self, kin: Kinematics, slip: Slip, omega: Number, tau: Number, f_ext: Number) -> Load:
         """Acceleration (with inertia) or speed (without) and the contact loads, by elimination."""
-        if self.is_loaded:
-            return self._loaded(kin, slip, omega, tau, f_ext)[0]
-        return self._load(kin, slip, omega, tau, f_ext, None)
-
-    def _load(
-        self,
-        kin: Kinematics,
-        slip: Slip,
-        omega: Number,
-        tau: Number,
-        f_ext: Number,
-        mu: tuple[Number, Number] | None,
-    ) -> Load:
-        """The same with given friction coefficients, or with those that the laws give without a load."""
-        if mu is None:
-            q = self.balance(kin, slip, omega if self.inertial else 0)
-        else:
-            q = self._balance(kin, slip, mu)
         f0 = self.spring_force(kin.z) + f_ext
         if self.inertial:
             force = f0 + self.damper_force(slip.sigma, kin.dz * omega)
+            q = self.balance(kin, slip, omega, force)
             carried = q.d1 * self.r2 * q.n2 * self.I  # factor of gamma_ddot
             mass = q.delta * self.J + carried * kin.dgamma + q.product * self.m * kin.dz
             if mass == 0:
@@ -216,11 +193,8 @@ class Mechanism:
             alpha = drive / mass
         else:
             alpha = omega * 0
-            if self.friction_varies and mu is None:
-                omega = self._rubbed_speed(kin, slip, tau, f0)
-                q = self.balance(kin, slip, omega)
-            else:
-                omega = self._damped_speed(kin, q, slip.sigma, tau, f0)
+            q = self.balance(kin, slip)
+            omega = self._damped_speed(kin, q, slip.sigma, tau, f0)
             force = f0 + self.damper_force(slip.sigma, kin.dz * omega)
         axial = force + self.m * (kin.dz * alpha + kin.ddz * omega**2)
         moment = self.I * (kin.dgamma * alpha + kin.ddgamma * omega**2)
@@ -246,29 +220,6 @@ class Mechanism:
         if under < 0:
             return math.nan
         return 2 * drive / (first + under**0.5) if drive != 0 else drive
-
-    def _rubbed_speed(self, kin: Kinematics, slip: Slip, tau: Number, f0: Number) -> Number:
-        """Without inertia, where the friction coefficients grow in proportion to the speed: the root nearest
-        to zero of the polynomial in omega that delta (tau - b omega) - product (f0 + D(z' omega)) is."""
-        sigma, w = slip.sigma, Power([0.0, 1.0])
-        lengths = self.sliding(kin)
-        f1, f2 = (
-            sigma * e * (law.kinetic + law.viscous * length * sigma * w)
-            for e, law, length in zip(slip.e, self.laws, lengths, strict=True)
-        )
-        n1, n2 = kin.a1 + f1 * self.r1, kin.a2 + f2 * self.r2
-        d1, d2 = self.r1 - f1 * kin.a1, self.r2 - f2 * kin.a2
-        c, quadratic = self.damper[sigma]
-        damper = kin.dz * w * (c + quadratic * kin.dz * sigma * w)
-        delta, product = self.r2 * d1 * n2 + self.r1 * d2 * n1, self.r1 * self.r2 * n1 * n2
-        residual = (delta * (tau - self.b * w) - product * (f0 + damper)).trim()
-        roots = [root.real for root in residual.roots() if abs(root.imag) <= 1e-9 * abs(root)]
-        if not roots:
-            return math.nan
-        root, slope = min(roots, key=abs), residual.deriv()
-        for _ in range(3):
-            root -= residual(root) / slope(root)
-        return float(np.real(root))
 
     def scales(self, kin: Kinematics, slip: Slip, omega: Number, tau: Number, f_ext: Number) -> Load:
         """Sizes of the terms whose sums make up a Load: a sum far below the size of its terms counts as
@@ -329,151 +280,11 @@ class Mechanism:
         carried = q.d1 * self.r2 * q.n2 * self.I * kin.dgamma
         return drag, q.delta * self.J + carried + q.product * self.m * kin.dz
 
-    # ---- friction that depends on the load: coefficients that give the reactions that give them ----
-
-    def _law_at(self, kin: Kinematics, slip: Slip, load: Load) -> np.ndarray:
-        """mu_i at the speed and the reactions of `load`."""
-        pairs = zip(self.laws, self.sliding(kin), self.reactions(kin, load.x1, load.x2), strict=True)
-        return np.array([law.at(slip.sigma * load.omega * length, r) for law, length, r in pairs])
-
-    def _fixed_point(self, slip: Slip, law: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
-        """mu = law(mu): Newton's method with differences. The latest Jacobian of this slip serves first."""
-        known = self._jacobians.get(slip)
-        if known is not None:
-            mu, inverse = known
-            for _ in range(12):
-                change = inverse @ (law(mu) - mu)
-                mu = mu + change
-                if np.all(np.abs(change) <= 4e-16 * mu):
-                    self._jacobians[slip] = mu, inverse
-                    return mu
-        mu = np.array([friction.static for friction in self.laws])
-        for _ in range(60):
-            now = law(mu)
-            jacobian = np.empty((2, 2))
-            for i in range(2):
-                step = np.zeros(2)
-                step[i] = 1e-6 * (mu[i] + 1e-3)
-                jacobian[:, i] = (law(mu + step) - now) / step[i]
-            change = np.linalg.solve(np.eye(2) - jacobian, now - mu)
-            if not np.all(np.isfinite(change)):
-                break
-            mu = np.maximum(mu + change, mu / 8)
-            if np.all(np.abs(change) <= 1e-9 * mu):  # one more with the same Jacobian reaches rounding
-                inverse = np.linalg.inv(np.eye(2) - jacobian)
-                for _ in range(2):
-                    mu = mu + inverse @ (law(mu) - mu)
-                self._jacobians[slip] = mu, inverse
-                return mu
-        raise Refused("no friction coefficients under the load")
-
-    def _loaded(
-        self, kin: Kinematics, slip: Slip, omega: Number, tau: Number, f_ext: Number
-    ) -> tuple[Load, np.ndarray]:
-        def law(mu: np.ndarray) -> np.ndarray:
-            return self._law_at(
-                kin, slip, self._load(kin, slip, omega, tau, f_ext, (float(mu[0]), float(mu[1])))
-            )
-
-        if not self.inertial and any(friction.viscous > 0 for friction in self.laws):
-            speed = self._loaded_speed(kin, slip, tau, f_ext)
-            load, mu = self._loaded_at_speed(kin, slip, speed, f_ext)
-        else:
-            mu = self._fixed_point(slip, law)
-            load = self._load(kin, slip, omega, tau, f_ext, (float(mu[0]), float(mu[1])))
-        self._refuse_locked(kin, slip, load, mu)
-        return load, mu
-
-    def _loaded_at_speed(
-        self, kin: Kinematics, slip: Slip, omega: Number, f_ext: Number
-    ) -> tuple[Load, np.ndarray]:
-        """Without inertia: the contact loads at a given speed."""
-        axial = self.spring_force(kin.z) + f_ext + self.damper_force(slip.sigma, kin.dz * omega)
-
-        def under(mu: np.ndarray) -> Load:
-            q = self._balance(kin, slip, (float(mu[0]), float(mu[1])))
-            return Load(omega, 0.0, self.r2 * q.n2 * axial / q.delta, self.r1 * q.n1 * axial / q.delta)
-
-        mu = self._fixed_point(slip, lambda now: self._law_at(kin, slip, under(now)))
-        return under(mu), mu
-
-    def _loaded_speed(self, kin: Kinematics, slip: Slip, tau: Number, f_ext: Number) -> Number:
-        """Without inertia: the speed at which the torque is balanced, from rest on."""
-
-        def left(omega: float) -> float:
-            _, mu = self._loaded_at_speed(kin, slip, omega, f_ext)
-            q = self._balance(kin, slip, (float(mu[0]), float(mu[1])))
-            axial = self.spring_force(kin.z) + f_ext + self.damper_force(slip.sigma, kin.dz * omega)
-            return float(tau - self.b * omega - q.product / q.delta * axial)
-
-        start = left(0.0)
-        if start == 0:
-            return 0.0
-        high = math.copysign(1e-3, start)
-        while left(high) * start > 0:
-            high *= 2
-            if abs(high) > 1e6:
-                return math.nan
-        return float(brentq(left, 0.0, high, xtol=1e-300, rtol=1e-15))
-
-    def _refuse_locked(self, kin: Kinematics, slip: Slip, load: Load, mu: np.ndarray) -> None:
-        """A contact whose torque does not grow with the reaction counts as locked."""
-        if self._has_one_answer(kin, slip, load, mu) is False:
-            raise Refused("locked under the load")
-
-    def _has_one_answer(self, kin: Kinematics, slip: Slip, load: Load, mu: np.ndarray) -> bool:
-        lengths, reactions = self.sliding(kin), self.reactions(kin, load.x1, load.x2)
-        steep = [
-            law.tangent(slip.sigma * load.omega * length, r)
-            for law, length, r in zip(self.laws, lengths, reactions, strict=True)
-        ]
-        now, tangent = (
-            self._balance(kin, slip, (float(mu[0]), float(mu[1]))),
-            self._balance(kin, slip, (float(steep[0]), float(steep[1]))),
-        )
-        pairs = ((tangent.n1, now.n1), (tangent.n2, now.n2))
-        grows = tangent.delta > 0 and all(t > 0 for t, _ in pairs)
-        return (grows or now.delta * tangent.delta > 0) and not any(
-            t <= 0 and n > -1e-6 * abs(t - n) for t, n in pairs
-        )
-
-    def _loaded_edge(self, kin: Kinematics, slip: Slip, f0: Number) -> Balance | None:
-        """The balance at rest on the edge under F_0 = f0 > 0. Newton's method may end off the flanks, or at
-        an answer whose torque does not grow with the load while another answer's does."""
-        f0 = max(f0, 1e-12)
-        try:
-            load, mu = self._loaded_at_rest(kin, slip, f0)
-        except (Refused, np.linalg.LinAlgError):
-            load, mu = Load(0.0, 0.0, math.nan, math.nan), np.zeros(2)
-        on_flanks = slip.e[0] * load.x1 >= 0 and slip.e[1] * load.x2 >= 0
-        if not (on_flanks and self._has_one_answer(kin, slip, load, mu)):
-            return self._searched_edge(kin, slip, f0)
-        return self._balance(kin, slip, (float(mu[0]), float(mu[1])))
-
-    def _searched_edge(self, kin: Kinematics, slip: Slip, f0: Number) -> Balance | None:
-        """The same, from samples of the reactions."""
-
-        def friction(i: int, x: float) -> float:
-            load = Load(0.0, 0.0, x, 0.0) if i == 0 else Load(0.0, 0.0, 0.0, x)
-            return slip.sigma * slip.e[i] * float(self._law_at(kin, slip, load)[i]) * x
-
-        for x1, x2 in answers_at_rest((self.r1, self.r2), (kin.a1, kin.a2), f0, slip.e, friction):
-            load = Load(0.0, 0.0, x1, x2)
-            mu = self._law_at(kin, slip, load)
-            if self._has_one_answer(kin, slip, load, mu):
-                return self._balance(kin, slip, (float(mu[0]), float(mu[1])))
-        return None
-
-    def _loaded_at_rest(self, kin: Kinematics, slip: Slip, f0: Number) -> tuple[Load, np.ndarray]:
-        return self._loaded_at_speed(kin, slip, 0.0, f0 - self.spring_force(kin.z))
-
     def powers(self, kin: Kinematics, slip: Slip, load: Load, tau: Number, f_ext: Number) -> list[Number]:
         """Rates of the accounts FLOWS."""
         omega, v = load.omega, kin.dz * load.omega
-        if self.is_loaded:
-            mu1, mu2 = (float(mu) for mu in self._law_at(kin, slip, load))
-        else:
-            mu1, mu2 = self.friction(kin, slip, omega)
+        axial = self.spring_force(kin.z) + f_ext + self.damper_force(slip.sigma, v)
+        mu1, mu2 = self.friction(kin, slip, omega, axial)
         return [
             tau * omega,
             f_ext * v,

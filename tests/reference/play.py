@@ -15,6 +15,8 @@ from .state import State
 def jump(state: State, sigma: int) -> None:
     """Play operator: theta jumps along the band edge to the angle at which the edge torque equals tau, or to
     the stop."""
+    if state.mechanism.is_loaded:
+        raise NotImplementedError("a load law: its play is in tests/test_friction_load.py, in closed form")
     if not state.is_straight():
         creep(state, sigma, following=False)
         return

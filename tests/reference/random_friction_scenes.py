@@ -1,4 +1,4 @@
-"""Random scenes with friction that depends on the sliding speed and, on request, on the reaction."""
+"""Random scenes with friction that depends on the sliding speed and, on request, on the load."""
 
 from __future__ import annotations
 
@@ -24,13 +24,14 @@ ANGLES = 41  # at which the scene must load
 def random_friction_scene(
     rng: np.random.Generator, number: int, folder: str | Path, loaded: bool = False
 ) -> tuple[dict[str, Any], list[Interval]] | None:
-    """A scene of the other generators with a friction law whose speeds suit its motion; None if no law does.
-    Tables are written into `folder`."""
+    """A scene of the other generators, with inertia, and with a friction law whose speeds suit its motion;
+    None if no law does. Tables are written into `folder`."""
     if number % HELICAL_EVERY == 0:
         params, intervals = random_scene(rng)
     else:
         params, intervals = random_general_scene(rng, folder)
-    loaded = loaded and Mechanism(params, DOUBLE).inertial
+    if not Mechanism(params, DOUBLE).inertial:
+        return None
     if loaded:  # the times at which rest ends are then those of a fixed band
         intervals = [replace(one, F_ext_rate=0.0, F_ext_rate2=0.0, F_ext_rate3=0.0) for one in intervals]
     found = _with_law(rng, dict(params), intervals, loaded)
@@ -52,18 +53,16 @@ def _with_law(
         speed = fastest * mechanism.sliding(middle)[i - 1]
         if friction == 0 or speed == 0:
             continue
-        if mechanism.inertial and rng.random() < 0.8:
+        if rng.random() < 0.8:
             params[f"cam{i}.friction_peak"] = 1 + float(rng.uniform(0.05, 1.0))
             params[f"cam{i}.stribeck_velocity"] = speed * log_uniform(rng, 0.01, 1.0)
             params[f"cam{i}.stribeck_exponent"] = int(rng.integers(1, 3))
             varies = True
         if loaded:
-            params[f"cam{i}.friction_load_exponent"] = float(
-                rng.uniform(-0.5 if mechanism.inertial else 0.0, 0.5)
-            )
+            params[f"cam{i}.friction_load_exponent"] = float(rng.uniform(-0.5, 0.5))
             params[f"cam{i}.friction_load"] = peak[f"reaction{i}"] * log_uniform(rng, 0.1, 1.0)
             varies = True
-        if rng.random() < (0.5 if mechanism.inertial else 0.9):
+        if rng.random() < 0.5:
             params[f"cam{i}.friction_viscous"] = friction / speed * log_uniform(rng, 0.03, 1.0)
             varies = True
     return params if varies and _loads(params) else None

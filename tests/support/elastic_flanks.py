@@ -32,11 +32,13 @@ class ElasticFlanks:
         lightest = min(self.p["inertia.follower_mass"], self.p["inertia.follower"] / self.rise[0] ** 2)
         self.damping = 2.0 * DAMPING * math.sqrt(STIFFNESS * lightest)
 
-    def contact(self, i: int, depth: float, rate: float, turn: float) -> tuple[float, float]:
-        """Torque, N.m, and axial force, N, of contact i. `depth` in m, `rate` in m/s, `turn` in rad/s."""
+    def contact(self, i: int, depth: float, rate: float, turn: float, load: float) -> tuple[float, float]:
+        """Torque, N.m, and axial force, N, of contact i. `depth` in m, `rate` in m/s, `turn` in rad/s; `load`
+        in N: the axial load, which makes the nominal load of docs/mechanism.md, section 9."""
         r, a, sliding = self.radius[i], self.rise[i], turn * self.length[i]
         x = STIFFNESS * depth + self.damping * rate
-        mu = self.laws[i].at(abs(sliding), abs(x) * self.length[i] / self.p["contacts"])
+        share = self.rise[1 - i] / sum(self.rise) * self.length[i] / r
+        mu = self.laws[i].at(abs(sliding), abs(load) * share / self.p["contacts"])
         friction = math.tanh(sliding / REVERSAL) * mu * abs(x)
         return r * (a * x + r * friction), r * x - a * friction
 
@@ -45,10 +47,10 @@ class ElasticFlanks:
         p, a = self.p, self.rise
         z, gamma, theta, dz, dgamma, dtheta = state
         turns, speeds = (gamma, theta - gamma), (dgamma, dtheta - dgamma)
-        (torque1, axial1), (torque2, axial2) = (
-            self.contact(i, a[i] * turns[i] - z, a[i] * speeds[i] - dz, speeds[i]) for i in (0, 1)
-        )
         spring = p["spring.preload"] + p["spring.stiffness"] * z
+        (torque1, axial1), (torque2, axial2) = (
+            self.contact(i, a[i] * turns[i] - z, a[i] * speeds[i] - dz, speeds[i], spring) for i in (0, 1)
+        )
         return [
             dz,
             dgamma,

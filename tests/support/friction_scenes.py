@@ -37,14 +37,13 @@ from general_scenes import (
 from reference import Refused, random_friction_scene, read_table, simulate
 
 FILE = Path(__file__).resolve().parents[1] / "data" / "friction_scenes.json.gz"
-LOADED_FILE = FILE.with_name("friction_load_scenes.json.gz")  # friction depends on the reaction as well
+LOADED_FILE = FILE.with_name("friction_load_scenes.json.gz")  # friction depends on the load as well
 WANTED, LOADED_WANTED = 200, 200
 SEED = 18
 
 
 def candidate(number: int, loaded: bool = False) -> tuple[Scene, Tables] | None:
-    """Scene `number` with its tables, or None if the scene is not fit for a test. A loaded scene has
-    inertia."""
+    """Scene `number` with its tables, or None if the scene is not fit for a test."""
     with tempfile.TemporaryDirectory() as folder:
         rng = np.random.default_rng([SEED, number])
         try:
@@ -53,8 +52,6 @@ def candidate(number: int, loaded: bool = False) -> tuple[Scene, Tables] | None:
                 if drawn is None:
                     return None
                 params, intervals = drawn
-                if loaded and regime(params) != "inertial":
-                    return None
                 points = simulate(params, intervals)
                 if points[-1].events > MOST_EVENTS:
                     return None

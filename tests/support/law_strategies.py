@@ -29,26 +29,16 @@ def is_inertial(parameters: Mapping[str, Any]) -> bool:
     return any(parameters[name] for name in MASSES)
 
 
-def speed_laws(inertial: bool) -> SearchStrategy[dict[str, Any]]:
-    """Without inertia there is no motion where friction falls with the speed."""
-    viscous = {f"cam{i}.friction_viscous": or_zero(decades(-4, 1)) for i in (1, 2)}
-    if not inertial:
-        return st.fixed_dictionaries(viscous)
-    return st.fixed_dictionaries(
-        viscous
-        | {f"cam{i}.friction_peak": st.one_of(st.just(1.0), st.floats(1.0, 5.0)) for i in (1, 2)}
-        | {f"cam{i}.stribeck_velocity": decades(-6, 1) for i in (1, 2)}
-        | {f"cam{i}.stribeck_exponent": st.sampled_from([1, 2]) for i in (1, 2)}
-    )
-
-
-def load_laws(falling: bool) -> SearchStrategy[dict[str, Any]]:
-    """`falling`: friction may fall with the load, which damping without inertia does not allow."""
-    least = -LARGEST_POWER if falling else 0.0
-    return st.fixed_dictionaries(
-        {f"cam{i}.friction_load_exponent": or_zero(st.floats(least, LARGEST_POWER)) for i in (1, 2)}
-        | {f"cam{i}.friction_load": decades(-1, 5) for i in (1, 2)}
-    )
+SPEED_LAWS: SearchStrategy[dict[str, Any]] = st.fixed_dictionaries(
+    {f"cam{i}.friction_viscous": or_zero(decades(-4, 1)) for i in (1, 2)}
+    | {f"cam{i}.friction_peak": st.one_of(st.just(1.0), st.floats(1.0, 5.0)) for i in (1, 2)}
+    | {f"cam{i}.stribeck_velocity": decades(-6, 1) for i in (1, 2)}
+    | {f"cam{i}.stribeck_exponent": st.sampled_from([1, 2]) for i in (1, 2)}
+)
+LOAD_LAWS: SearchStrategy[dict[str, Any]] = st.fixed_dictionaries(
+    {f"cam{i}.friction_load_exponent": or_zero(st.floats(-LARGEST_POWER, LARGEST_POWER)) for i in (1, 2)}
+    | {f"cam{i}.friction_load": decades(-1, 5) for i in (1, 2)}
+)
 
 
 def table_files(folder: Path) -> SearchStrategy[str]:
@@ -77,19 +67,10 @@ def table_files(folder: Path) -> SearchStrategy[str]:
 
 
 def friction_laws(parameters: Mapping[str, Any], folder: Path) -> SearchStrategy[dict[str, Any]]:
-    """The laws of both cams: over the speed, and in every second draw over the load too."""
-    inertial = is_inertial(parameters)
-    by_speed = speed_laws(inertial)
-    loads = load_laws(inertial or not any(parameters.get(name) for name in DAMPING))
-    both = st.tuples(by_speed, loads).map(lambda pair: pair[0] | pair[1])
-    if not inertial:
-        return st.one_of(by_speed, both.map(without_contradiction))
+    """The laws of both cams: over the speed, and in every second draw over the load too. Without inertia
+    friction takes no law over the speed, and beside a damper none over the load."""
+    if not is_inertial(parameters):
+        return st.just({}) if any(parameters.get(name) for name in DAMPING) else LOAD_LAWS
+    both = st.tuples(SPEED_LAWS, LOAD_LAWS).map(lambda pair: pair[0] | pair[1])
     tables = st.fixed_dictionaries({"cam1.friction_table": st.one_of(table_files(folder), st.just(""))})
-    return st.one_of(by_speed, both, st.tuples(both, tables).map(lambda pair: pair[0] | pair[1]))
-
-
-def without_contradiction(laws: dict[str, Any]) -> dict[str, Any]:
-    """A lubricated branch is damping: without inertia friction must not fall with the load then."""
-    if not any(laws[f"cam{i}.friction_viscous"] for i in (1, 2)):
-        return laws
-    return {n: abs(v) if n.endswith("load_exponent") else v for n, v in laws.items()}
+    return st.one_of(SPEED_LAWS, both, st.tuples(both, tables).map(lambda pair: pair[0] | pair[1]))

@@ -11,7 +11,7 @@ from functools import lru_cache
 
 import numpy as np
 from driver import Driver
-from reference import LOWER_STOP, STICK, UPPER_STOP, Refused, Slip
+from reference import LOWER_STOP, STICK, UPPER_STOP, Slip
 
 EPS = 2.0**-52
 TOLERANCE = 1e-9  # the FMU's, where none is given
@@ -40,17 +40,6 @@ def band(r, a, mu, force):
                 break
         edges.append(found)
     return edges
-
-
-def loaded_band(mechanism, theta, force, steeper, widest):
-    """The same where friction depends on the load, by the reference. `steeper`: m/rad, on both slopes. Of
-    several edges the first one, or with `widest` the one farthest from the other edge: between both, contacts
-    hold a torque that a motion balances, too."""
-    kin, s = mechanism.groove.at(theta), 1 if force >= 0.0 else -1
-    kin = kin._replace(a1=kin.a1 + steeper, a2=kin.a2 + steeper)
-    found = [mechanism.static_ratios(kin, way * s, force) for way in (-1, 1)]
-    ratios = [(min(edges) if widest else edges[0]) if edges else None for edges in found]
-    return [way * math.inf if x is None else x * force for way, x in zip((-1, 1), ratios, strict=True)]
 
 
 def pair_agrees(parameters, a, mu, tau, force, way, flank) -> bool:
@@ -83,33 +72,6 @@ def wedges(parameters, a, mu, tau, force) -> bool:
     return not any(pair_agrees(parameters, a, mu, tau, force, way, pair) for way in (1, -1) for pair in pairs)
 
 
-def loaded_pair_agrees(mechanism, kin, tau, force, way, flank) -> bool:
-    """The same where friction depends on the load, by the reference; a contact that the load locks does not
-    move. `force` is F_ext."""
-    slip = Slip(way, flank)
-    try:
-        load, mu = mechanism._loaded(kin, slip, 0.0, tau, force)
-    except (Refused, np.linalg.LinAlgError):
-        return False
-    q = mechanism._balance(kin, slip, tuple(mu))
-    carried = q.d1 * mechanism.r2 * q.n2 * mechanism.I * kin.dgamma
-    by_alpha = q.delta * mechanism.J + carried + q.product * mechanism.m * kin.dz
-    size = abs(force) + abs(mechanism.m * kin.dz * load.alpha) + abs(q.d1 * load.x1) + abs(q.d2 * load.x2)
-    least = TOLERANCE * size  # of the axial balance, as in pair_agrees()
-    presses = flank[0] * load.x1 > least and flank[1] * load.x2 > least
-    return way * load.alpha > 0.0 and presses and by_alpha * q.delta > 0.0
-
-
-def loaded_wedges(mechanism, theta, tau, force) -> bool:
-    """As wedges()."""
-    if not mechanism.inertial:
-        return False
-    kin, pairs = mechanism.groove.at(theta), ((1, 1), (1, -1), (-1, 1), (-1, -1))
-    return not any(
-        loaded_pair_agrees(mechanism, kin, tau, force, way, pair) for way in (1, -1) for pair in pairs
-    )
-
-
 @lru_cache(maxsize=1)
 def steepest_slope(mechanism) -> float:
     """m/rad, of both grooves between the stops, from samples."""
@@ -127,13 +89,12 @@ def rests(fmu: Driver, mechanism, parameters) -> bool:
     terms = [pull, *(c * z**i for i, c in enumerate(k))]
     force, size = math.fsum(terms), sum(map(abs, terms))
     r = [parameters[f"cam{i}.radius"] for i in (1, 2)]
-    mu = [law.static for law in mechanism.laws]
+    mu = mechanism.friction(kin, Slip(1, (1, 1)), 0.0, force)
 
     def edges(force, steeper=0.0, angle=theta):
-        if mechanism.is_loaded:
-            return loaded_band(mechanism, angle, force, steeper, mode not in (LOWER_STOP, UPPER_STOP))
         here = mechanism.groove.at(angle)
-        return band(r, [slope + steeper for slope in (here.a1, here.a2)], mu, force)
+        rubbed = mechanism.friction(here, Slip(1, (1, 1)), 0.0, force)
+        return band(r, [slope + steeper for slope in (here.a1, here.a2)], rubbed, force)
 
     # z is known to 1e-13 of the whole way. The tie is twice that, for the edge and the frictionless torque.
     # That matters where the force is small.
@@ -164,25 +125,18 @@ def rests(fmu: Driver, mechanism, parameters) -> bool:
         near = beside(4 * EPS, lambda _: force) + [edges(force, way * known) for way in (-1, 1)]
         lowest, highest = min(edge[0] for edge in near), max(edge[1] for edge in near)
         return min(lowest, *releases) - rounding <= tau <= max(highest, *loadings) + rounding
-    # the reference leaves out edges whose reactions are more than 1e4 times the load: whether the contacts or
-    # the stop hold a torque toward the stop is open where it has no other edge
-    highest = load if mechanism.is_loaded and math.isinf(release) else release
-    lowest = release if mechanism.is_loaded and math.isinf(load) else load
     if mode == LOWER_STOP:
-        return theta == stops[0] and tau <= highest + rounding
+        return theta == stops[0] and tau <= release + rounding
     if mode == UPPER_STOP:
-        return theta == stops[1] and tau >= lowest - rounding
+        return theta == stops[1] and tau >= load - rounding
     # theta is known to a rounding of the farther stop: so near a stop, the stop holds the torque toward it
     angle = 4 * EPS * max(map(abs, stops))
-    if theta - stops[0] <= angle and tau <= highest:
+    if theta - stops[0] <= angle and tau <= release:
         return True
-    if stops[1] - theta <= angle and tau >= lowest:
+    if stops[1] - theta <= angle and tau >= load:
         return True
-    if not release <= tau <= load:
-        if mechanism.is_loaded and loaded_wedges(mechanism, theta, tau, pull):
-            return True
-        if not mechanism.is_loaded and wedges(parameters, a, mu, tau, force):
-            return True
+    if not release <= tau <= load and wedges(parameters, a, mu, tau, force):
+        return True
     # without any force the pin wedges as under the smallest one, of either sign
     loads = [force] if force else [1.0, -1.0, 1e-12, -1e-12]
     found = [edge for load in loads for steeper in (0.0, known, -known) for edge in edges(load, steeper)]

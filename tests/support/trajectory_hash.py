@@ -25,10 +25,11 @@ from pathlib import Path
 
 import build_fmu
 import platforms
+import web_build
 from compiler import ZIG, compile_library, compiler_options, is_shared, run
 from driver import ROOT, Model, models
 from fmus import Fmu, identity
-from platforms import LTO, OPTIMISATION, STACK, Platform
+from platforms import LTO, OPTIMISATION
 from workspace import BUILD, build_program, fingerprint, headers, is_fresh, relative, set_stamp
 
 NATIVE = ROOT / "tests/native"
@@ -44,7 +45,7 @@ TARGETS = {
     ARM: platforms.ARM_LINUX,
     WINDOWS: platforms.X86_WINDOWS,
     WINDOWS_32: platforms.X86_32_WINDOWS,
-    WASM: platforms.WASM,
+    WASM: web_build.WASM,
 }
 FOLDERS = {X86: "linux64", ARM: "aarch64-linux", WINDOWS: "win64", WINDOWS_32: "win32"}  # of FMI 2.0
 DIGITS = 55
@@ -103,35 +104,24 @@ def programs_folder(label: str) -> Path:
     return BUILD / "hash" / "".join(c if c.isalnum() else "-" for c in label)
 
 
-class Command(Platform):
-    """A program of the same objects as the FMUs' binaries, in place of a library."""
+class WebProgram(web_build.WebAssembly):
+    """A program of the same objects as the module for a page."""
 
     def linking(self, identifier: str) -> list[str]:
         del identifier
-        if self.suffix == ".wasm":
-            return [OPTIMISATION, LTO, f"-Wl,-z,stack-size={STACK}"]
-        return [OPTIMISATION, *([LTO] if self.suffix == ".so" else [])]
+        return [OPTIMISATION, LTO]
 
 
-def suffix_of(target: str) -> str:
-    """The suffix of a platform's libraries, by which Platform chooses the options."""
-    return ".wasm" if "wasm" in target else ".dll" if "windows" in target else ".so"
-
-
-def of_the_fmus_objects(platform: str) -> Callable[[Fmu], Path]:
-    """The pinned compiler at the FMUs' optimisation. Objects of the FMUs' build are used again."""
-
-    def make(fmu: Fmu) -> Path:
-        target = TARGETS[platform]
-        program = programs_folder(f"{platform} fmu") / f"{fmu.identifier}.exe"
-        sources, defines = [*fmu.sources, *SCENES, PROGRAM], [*fmu.defines, *identity(fmu)]
-        stamp = fingerprint([*sources, *headers(), *build_program()], target, *defines)
-        if not is_fresh(program, stamp):
-            compile_library(Command("hash", (target,), suffix_of(target)), target, defines, sources, program)
-            set_stamp(program, stamp)
-        return program
-
-    return make
+def with_objects_of_the_page(fmu: Fmu) -> Path:
+    """The pinned compiler at the page's optimisation. Objects of the page's modules are used again."""
+    program = programs_folder("WebAssembly fmu") / f"{fmu.identifier}.exe"
+    sources, defines = [*fmu.sources, *SCENES, PROGRAM], [*fmu.defines, *identity(fmu)]
+    stamp = fingerprint([*sources, *headers(), *build_program()], web_build.WASM, *defines)
+    if not is_fresh(program, stamp):
+        platform = WebProgram("hash", (web_build.WASM,), ".wasm")
+        compile_library(platform, web_build.WASM, defines, sources, program)
+        set_stamp(program, stamp)
+    return program
 
 
 def compiled(
@@ -319,7 +309,7 @@ def of_fmus(platform: str) -> Build:
 
 
 def webassembly(host: str, runner: Callable[[Path, Model, Path], str]) -> Build:
-    return Build(WASM, f"zig -O3, in {host}", of_the_fmus_objects(WASM), runner)
+    return Build(WASM, f"zig -O3, in {host}", with_objects_of_the_page, runner)
 
 
 QUICK = (of_fmus(X86), webassembly("wasmtime", in_wasmtime), pinned(X86_32, ["-O3"]))

@@ -28,6 +28,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dualcam.design.grooves import VERTICAL, Ellipse, Groove, Helix, Point, ellipse_law
+from dualcam.design.load_law import friction_under
 from dualcam.design.mechanism import Mechanism, meeting
 from dualcam.design.statics import Array, band
 from dualcam.errors import DesignError
@@ -206,10 +207,12 @@ def sampled_band(mechanism: Mechanism, values: Values, theta: Array) -> SampledB
     def value(name: str) -> Any:  # noqa: ANN401, array or number
         return np.asarray(values[name])[:, None] if name in values else nominal(mechanism, name)
 
-    friction = value("cam1.friction"), value("cam2.friction")
-    (release, load), _ = band((one.slope, two.slope), friction, (first.radius, second.radius))
     terms = [value(f"spring.{name}") for name in SPRING]
     force = terms[0] + one.z * (terms[1] + one.z * (terms[2] + one.z * terms[3]))
+    slope, radius = (one.slope, two.slope), (first.radius, second.radius)
+    friction = value("cam1.friction"), value("cam2.friction")
+    friction = friction_under(friction, mechanism.load_laws, slope, radius, force / mechanism.contacts)
+    (release, load), _ = band(slope, friction, radius)
     _require_pressing(force, theta)
     with np.errstate(invalid="ignore", divide="ignore"):
         efficiency = release / load

@@ -25,11 +25,11 @@ static double get(Run *run, unsigned vr) {
 
 /* All at once; if one of them is refused, the outputs alone. */
 void check_values(Run *run) {
-    unsigned vr[VARIABLE_COUNT];
-    double value[VARIABLE_COUNT];
+    unsigned vr[REFERENCE_END];
+    double value[REFERENCE_END];
     size_t n = 0;
-    for (unsigned k = 0; k < VARIABLE_COUNT; k++)
-        if (VARIABLES[k].type == TYPE_REAL) vr[n++] = k;
+    for (unsigned k = 0; k < REFERENCE_END; k++)
+        if (variable_find(k) != NULL && VARIABLES[k].type == TYPE_REAL) vr[n++] = k;
     if (call_get_reals(run, vr, n, value)) return;
     for (size_t i = 0; i < n; i++)
         if (VARIABLES[vr[i]].causality == CAUSALITY_OUTPUT) call_get_reals(run, vr + i, 1, value);

@@ -62,7 +62,7 @@ static const Range *find_range(unsigned vr) {
 
 /* A fuzzer watches comparisons of texts, so each name is looked up once. */
 static const Range *range_of(unsigned vr) {
-    static const Range *found[LISTED_COUNT];
+    static const Range *found[START_END];
     if (found[vr] == NULL) found[vr] = find_range(vr);
     return found[vr];
 }
@@ -99,12 +99,13 @@ static bool set_text(Run *run, unsigned vr) {
 }
 
 static bool is_settable(unsigned vr) {
-    return VARIABLES[vr].causality == CAUSALITY_PARAMETER || VARIABLES[vr].causality == CAUSALITY_INPUT;
+    const Variable *variable = variable_find(vr);
+    return variable != NULL && (variable->causality == CAUSALITY_PARAMETER || variable->causality == CAUSALITY_INPUT);
 }
 
 bool set_plausible(Run *run) {
-    unsigned vr = take_below(&run->in, LISTED_COUNT);
-    while (!is_settable(vr)) vr = (vr + 1) % LISTED_COUNT;
+    unsigned vr = take_below(&run->in, START_END);
+    while (!is_settable(vr)) vr = (vr + 1) % START_END;
     const int boolean = (int)(take_byte(&run->in) & 1);
     switch (VARIABLES[vr].type) {
         case TYPE_REAL: return set_real(run, vr);
@@ -122,7 +123,7 @@ bool set_groove_table(Run *run, unsigned cam, const char *file) {
 }
 
 void set_plausible_inputs(Run *run) {
-    for (unsigned vr = 0; vr < LISTED_COUNT; vr++)
+    for (unsigned vr = 0; vr < START_END; vr++)
         if (VARIABLES[vr].causality == CAUSALITY_INPUT) set_real(run, vr);
 }
 

@@ -57,7 +57,7 @@ _Noreturn void require_failed(const Run *run, const char *file, int line, const 
 
 /* Is there a variable with this value reference? */
 static inline bool has_variable(unsigned vr) {
-    return vr < VARIABLE_COUNT;
+    return variable_find(vr) != NULL;
 }
 
 /* The folder for files of tables: of the environment variable FUZZ_DIRECTORY, else the current one. */

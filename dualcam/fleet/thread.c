@@ -2,7 +2,7 @@
 #define _POSIX_C_SOURCE 200809L /* clock_gettime */
 #endif
 
-#include "fleet/thread.h"
+#include "thread.h"
 
 #include <stdlib.h>
 

@@ -1,5 +1,5 @@
 /* Many instances of one FMU for FMI 2.0 co-simulation, stepped by one call. This library is no part of an FMU:
- * the Python package loads it, and hands it the functions of an FMU's binary. May include: no other room.
+ * the Python package loads it, and hands it the functions of an FMU's binary. It includes no file of the FMUs.
  *
  * A call does the same job for each instance: set inputs, step, get outputs. Threads share the instances of a
  * call. No call depends on the number of threads in any bit: instances share nothing. */

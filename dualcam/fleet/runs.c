@@ -1,4 +1,4 @@
-#include "fleet/runs.h"
+#include "runs.h"
 
 #include <string.h>
 

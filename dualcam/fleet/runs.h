@@ -7,7 +7,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "fleet/fleet.h"
+#include "fleet.h"
 
 /* What a call does. The numbers are those of KINDS in dualcam/study/batch.py. */
 typedef enum {

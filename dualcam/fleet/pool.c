@@ -1,6 +1,6 @@
-#include "fleet/pool.h"
+#include "pool.h"
 
-#include "fleet/thread.h"
+#include "thread.h"
 #include <stdatomic.h>
 #include <stdbool.h>
 #include <stdint.h>

@@ -1,6 +1,6 @@
-#include "fleet/fleet.h"
+#include "fleet.h"
 
-#include "fleet/pool.h"
+#include "pool.h"
 #include <float.h>
 #include <math.h>
 #include <stdarg.h>

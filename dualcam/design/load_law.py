@@ -1,0 +1,120 @@
+"""Friction at rest that depends on the nominal load of the contacts (docs/mechanism.md, section 9).
+
+The nominal load N_i of a contact is the reaction that the axial force makes without friction and inertia:
+
+    N_i = |F| a_j hypot(r_i, a_i)/(n r_i (a_1 + a_2))     j the other groove, n contacts
+
+A law gives the factor by which it multiplies the coefficient of friction.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dualcam.design.statics import Pair, transfer
+
+LOW = 0.1  # of the reference load: keeps the coefficient finite without load
+Values = NDArray[Any]  # real, or complex for derivatives by a complex step
+
+
+class LoadLaw(Protocol):
+    """The factor of the coefficient of friction over the nominal load."""
+
+    def factor(self, load: Values) -> Values:
+        """Factor [1] at nominal loads of one contact [N], of the shape of `load`."""
+
+
+@dataclass(frozen=True)
+class LoadPower:
+    """((N^2 + (0.1 N_ref)^2)/N_ref^2)^(nu/2): `cam1.friction_load_exponent` and `cam1.friction_load`.
+
+    Parameters
+    ----------
+    exponent : float
+        nu [1].
+    reference : float
+        N_ref [N].
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from dualcam.design.load_law import LoadPower
+    >>> LoadPower(0.5, 100.0).factor(np.array([0.0, 400.0])).round(4)
+    array([0.3162, 2.0003])
+    """
+
+    exponent: float
+    reference: float
+
+    def factor(self, load: Values) -> Values:
+        """Factor [1] at nominal loads of one contact [N], of the shape of `load`."""
+        share = load / self.reference
+        return (share * share + LOW**2) ** (0.5 * self.exponent)
+
+
+class LoadSamples:
+    """The first row of speeds of a friction table over loads, over the coefficient at the middle load.
+
+    Parameters
+    ----------
+    loads : sequence of float, shape (n,)
+        Growing, > 0 [N].
+    coefficients : sequence of float, shape (n,)
+        mu at rest under these loads [1].
+    """
+
+    def __init__(self, loads: Sequence[float], coefficients: Sequence[float]) -> None:
+        from scipy.interpolate import CubicSpline
+
+        logs = np.log(coefficients)
+        self._spline = CubicSpline(np.log(loads), logs - logs[len(logs) // 2], bc_type="clamped")
+
+    def factor(self, load: Values) -> Values:
+        """Factor [1] at nominal loads of one contact [N], of the shape of `load`; beyond the loads of the
+        table the last one."""
+        first, last = self._spline.x[[0, -1]]
+        with np.errstate(divide="ignore"):
+            place = np.log(np.abs(load.real))
+        inside = np.clip(place, first, last)
+        value = np.exp(self._spline(inside))
+        if not np.iscomplexobj(load):
+            return value
+        rate = np.where(inside == place, self._spline(inside, 1) / load.real, 0.0)
+        return value * (1.0 + 1j * rate * load.imag)
+
+
+def friction_under(
+    friction: Pair, laws: Sequence[LoadLaw | None], slope: Pair, radius: Pair, force_per_contact: Values
+) -> Pair:
+    """Coefficients of friction at rest under an axial force.
+
+    Parameters
+    ----------
+    friction : pair of array_like
+        Coefficients without the factor of the load [1].
+    laws : sequence of LoadLaw or None, shape (2,)
+        Of both contacts; None: the coefficient does not depend on the load.
+    slope : pair of array_like
+        Slopes a_i = dz/dpsi [m/rad].
+    radius : pair of array_like
+        Radii r_i [m].
+    force_per_contact : ndarray
+        Axial force over the number of contacts [N].
+
+    Returns
+    -------
+    pair of array_like
+        Coefficients [1].
+    """
+    if not any(laws):
+        return friction
+    loads = transfer(slope, (0.0, 0.0), radius, 0).reaction * force_per_contact
+    return [
+        mu if law is None else mu * law.factor(load)
+        for mu, law, load in zip(friction, laws, loads, strict=True)
+    ]
