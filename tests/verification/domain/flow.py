@@ -62,6 +62,11 @@ class Slide:
         return sigma * now.omega, *reactions, stop, now.share
 
     def rhs(self, t: float, y: np.ndarray) -> list[float]:
+        """NaN well beyond the stops, where a trial step is too long."""
+        mech = self.mechanism
+        margin = 0.1 * (mech.upper - mech.lower)
+        if not mech.lower - margin <= y[0] <= mech.upper + margin:
+            return [math.nan] * len(y)
         now = self.motion(t, (float(y[0]), float(y[1]) if len(y) > 1 else 0.0))
         return [now.omega, now.alpha] if self.mechanism.inertial else [now.omega]
 

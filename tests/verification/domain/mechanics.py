@@ -227,6 +227,7 @@ class Mechanism:
             return self._creep(k, sigma, e, tau, f_ext)
         axial = self.spring_force(k.z) + f_ext + self.damper_force(sigma, k.dz * omega)
         mu1, mu2 = self.friction(k, omega, axial)
+        most1, most2 = k.a1 + mu1 * self.r1, k.a2 + mu2 * self.r2  # of |n_1| and |n_2|
         n1, n2, d1, d2, delta = self.corner(k, sigma * e[0] * mu1, sigma * e[1] * mu2)
         p, q = self.r1 * self.r2 * n1 * n2, self.r2 * n2 * d1
         mass = self.J * delta + self.m * k.dz * p + self.I * k.dgamma * q
@@ -241,12 +242,12 @@ class Mechanism:
         moment = self.I * (k.dgamma * alpha + k.ddgamma * square)
         x1, x2 = (self.r2 * n2 * load - d2 * moment) / delta, (self.r1 * n1 * load + d1 * moment) / delta
         large = self._large(k, axial, f_ext) + self.m * (abs(k.dz * alpha) + abs(k.ddz) * square)
-        size1 = (self.r2 * abs(n2) * large + abs(d2 * moment)) / abs(delta)
-        size2 = (self.r1 * abs(n1) * large + abs(d1 * moment)) / abs(delta)
+        size1 = (self.r2 * most2 * large + abs(d2 * moment)) / abs(delta)
+        size2 = (self.r1 * most1 * large + abs(d1 * moment)) / abs(delta)
         return Motion(omega, alpha, x1, x2, mass / delta, size1, size2, axial)
 
     def _large(self, k: Place, axial: float, f_ext: float) -> float:
-        return abs(axial) + abs(f_ext) + sum(abs(c * k.z**i) for i, c in enumerate(self.spring))
+        return abs(axial) + abs(f_ext) + abs(self.spring[0]) + abs(self.spring[1] * k.z)
 
     def _creep(self, k: Place, sigma: int, e: Pair, tau: float, f_ext: float) -> Motion:
         """Without inertia: Delta (tau - b omega) = P (F_0 + D(z' omega)). Where the root would have the sign
@@ -265,7 +266,7 @@ class Mechanism:
         axial = rest + self.damper_force(sigma, k.dz * omega)
         x1, x2 = self.r2 * n2 * axial / delta, self.r1 * n1 * axial / delta
         large = self._large(k, axial, f_ext) / abs(delta)
-        sizes = self.r2 * abs(n2) * large, self.r1 * abs(n1) * large
+        sizes = self.r2 * (k.a2 + mu2 * self.r2) * large, self.r1 * (k.a1 + mu1 * self.r1) * large
         return Motion(omega, 0.0, x1, x2, math.sqrt(under), *sizes, axial)
 
     def edge_pair(self, k: Place, sigma: int, f0: float) -> tuple[Pair, float] | None:

@@ -136,15 +136,38 @@ class Simulation:
         return t
 
     def _flip(self, t: float, slide: Slide) -> None:
-        """The reactions that are zero change their flanks."""
+        """The reactions that are zero change their flanks. By Cramer's rule x_i is a number that does not
+        depend on e_i, over D: after its zero it lies on the other flank if D keeps its sign. Where both are zero
+        (I = 0 and the load passes zero) x_1 is in proportion to n_2/D and x_2 to n_1/D."""
         now = slide.motion(t, (self.theta, self.omega))
         zero = [abs(x) <= 1e-9 * size for x, size in ((now.x1, now.size1), (now.x2, now.size2))]
-        first = tuple(-e if crossed else e for e, crossed in zip(slide.e, zero, strict=True))
-        self._slip(t, slide.sigma, (first[0], first[1]))
+        first = (-slide.e[0] if zero[0] else slide.e[0], -slide.e[1] if zero[1] else slide.e[1])
+        terms = {e: self._terms(slide, t, e) for e in PAIRS}
+        if all(zero):
+            n1, n2, mass = terms[slide.e]
+            after = -slide.e[0] * n2 * mass, -slide.e[1] * n1 * mass
+            after = (after[0] or after[1],) * 2
+            leaving = [e for e, (m1, m2, d) in terms.items() if e[0] * m2 * d * after[0] >= 0 <= e[1] * m1 * d * after[0]]
+        else:
+            same = terms[first][2] * terms[slide.e][2] > 0
+            leaving = [e for e in PAIRS if e != slide.e and (same or e != first)]
+        self._slip(t, slide.sigma, first, leaving)
 
-    def _slip(self, t: float, sigma: int, first: Pair | None) -> None:
+    def _terms(self, slide: Slide, t: float, e: Pair) -> tuple[float, float, float]:
+        """n_1, n_2 and D of a pair."""
+        mech, k = self.mechanism, self.mechanism.at(self.theta)
+        sigma, v = slide.sigma, k.dz * self.omega
+        axial = mech.spring_force(k.z) + value(self.f_ext, t) + mech.damper_force(sigma, v)
+        mu1, mu2 = mech.friction(k, self.omega, axial)
+        f1, f2 = sigma * e[0] * mu1, sigma * e[1] * mu2
+        c, q = mech.damper[sigma]
+        parts = (mech.J, mech.m, mech.I) if mech.inertial else (mech.b, c + 2 * q * abs(v), 0.0)
+        n1, n2, *_ = mech.corner(k, f1, f2)
+        return n1, n2, mech.inertia(k, f1, f2, parts)
+
+    def _slip(self, t: float, sigma: int, first: Pair | None, among: Sequence[Pair] = PAIRS) -> None:
         """Motion along sigma on the first pair of the documented order that carries; else the contacts wedge."""
-        e = self._carrying(t, sigma, first)
+        e = self._carrying(t, sigma, first, among)
         if e is None:
             self.slide, self.omega = None, 0.0
             self._set_mode(WEDGED)
@@ -152,7 +175,7 @@ class Simulation:
         self.slide = Slide(self.mechanism, sigma, e, self.tau, self.f_ext)
         self._set_mode(self._moving_mode(sigma))
 
-    def _carrying(self, t: float, sigma: int, first: Pair | None) -> Pair | None:
+    def _carrying(self, t: float, sigma: int, first: Pair | None, among: Sequence[Pair]) -> Pair | None:
         mech, k = self.mechanism, self.mechanism.at(self.theta)
         inputs = value(self.tau, t), value(self.f_ext, t)
         axial = mech.spring_force(k.z) + inputs[1] + mech.damper_force(sigma, k.dz * self.omega)
@@ -162,7 +185,7 @@ class Simulation:
         carried = [(e, now) for e in order if self._agrees(now := mech.motion(k, sigma, e, self.omega, *inputs), e, sigma)]
         if self.unique and mech.inertial:
             self._check_unique(carried)
-        return carried[0][0] if carried else None
+        return next((e for e, _ in carried if e in among), None)
 
     def _agrees(self, now: Motion, e: Pair, sigma: int) -> bool:
         """Each reaction on its flank, to rounding; D/Delta > 0; from rest the motion goes along sigma."""
@@ -258,6 +281,8 @@ class Simulation:
                 return self._gaps(k, time)
 
         row, width = held(t), (self.duration - t) / SAMPLES
+        if self.mode == WEDGED and min(row) < 0:
+            return self.duration
         near = 1e-12 * self._torque_size(k, t)
         row = tuple(0.0 if abs(gap) <= near else gap for gap in row)
         for cell in range(SAMPLES):
