@@ -12,7 +12,7 @@ from scipy.optimize import brentq, minimize_scalar
 
 from .mechanics import Mechanism, Motion, Pair, Unresolved
 
-RTOL = 2e-13
+RTOL = 1e-12
 MOST_STEPS = 30_000
 STIFF = 2e4  # decay rate times duration from which the implicit method is the cheaper one
 GUARDS = ("rest", "x1", "x2", "stop", "mass")

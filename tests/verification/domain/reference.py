@@ -182,21 +182,23 @@ class Simulation:
         side = 1 if axial > 0 or (axial == 0 and sigma > 0) else -1
         order = [first] if first is not None else []
         order += [e for e in ((side * g, side * h) for g, h in PAIRS) if e not in order]
-        carried = [(e, now) for e in order if self._agrees(now := mech.motion(k, sigma, e, self.omega, *inputs), e, sigma)]
+        near = ROUNDING * self._torque_size(k, t)
+        carried = [(e, now) for e in order if self._agrees(now := mech.motion(k, sigma, e, self.omega, *inputs), e, sigma, near)]
         if self.unique and mech.inertial:
             self._check_unique(carried)
         return next((e for e, _ in carried if e in among), None)
 
-    def _agrees(self, now: Motion, e: Pair, sigma: int) -> bool:
-        """Each reaction on its flank, to rounding; D/Delta > 0; from rest the motion goes along sigma."""
+    def _agrees(self, now: Motion, e: Pair, sigma: int, near: float) -> bool:
+        """Each reaction on its flank, to rounding; D/Delta > 0; from rest the motion goes along sigma. `near`:
+        N.m, a torque that is rounding."""
         if not now.share > 0:
             return False
         flanks = zip(e, (now.x1, now.x2), (now.size1, now.size2), self.mechanism.laws, strict=True)
         if any(x * g < -ROUNDING * size and law.kinetic + law.viscous > 0 for g, x, size, law in flanks):
             return False
-        if not self.mechanism.inertial:
-            return sigma * now.omega >= 0
-        return self.omega != 0 or sigma * now.alpha >= -ROUNDING * now.size1 / now.share
+        if self.mechanism.inertial and self.omega != 0:
+            return True
+        return sigma * (now.alpha if self.mechanism.inertial else now.omega) * now.share >= -near
 
     @staticmethod
     def _check_unique(carried: list[tuple[Pair, Motion]]) -> None:

@@ -53,6 +53,8 @@ def draw_scene(seed: int) -> Scene:
     period = 2 * math.pi * math.sqrt(inertia / stiffness) if inertia > 0 else log_uniform(rng, 0.01, 1.0)
     if regime == "inertial":
         speed = math.sqrt(force * slope * span / inertia)
+        for i in (1, 2):  # the lubricated branch adds at most 0.1 or so
+            params[f"cam{i}.friction_viscous"] = min(params.get(f"cam{i}.friction_viscous", 0.0), 0.05 / (speed * mech.r1))
         params["initial.omega"] = sometimes(rng, 0.4, rng.uniform(-1.0, 1.0) * speed)
         edge = params["initial.theta"]
         if edge in (mech.lower, mech.upper):
