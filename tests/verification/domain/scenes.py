@@ -77,7 +77,7 @@ def _draw_geometry(rng: Rng) -> Params:
     p: Params = {
         "stop.upper": upper,
         "stop.lower": -sometimes(rng, 0.3, rng.uniform(0.1, 0.8)) if plain else sometimes(rng, 0.5, 0.1),
-        "stop.restitution": sometimes(rng, 0.15, rng.uniform(0.1, 0.6)),
+        "stop.restitution": sometimes(rng, 0.07, rng.uniform(0.1, 0.6)),
         "contacts": int(rng.integers(1, 3)),
     }
     for i, kind in enumerate(kinds, start=1):
