@@ -16,7 +16,7 @@ BORDER = 1e-6  # relative; a design nearer to the border of a class belongs to e
 
 class Verdict(NamedTuple):
     kind: str
-    border: bool  # within rounding or sampling of another class
+    border: bool  # near another class, or so only between some angles
     reason: str
 
 
@@ -80,7 +80,8 @@ def _refusal(
         return None
     shares = [share for k in places if (share := _releasing_share(mech, k, f_ext)) is not None]
     if shares and min(shares) <= BORDER:
-        return Verdict(REFUSED, abs(min(shares)) <= BORDER, "the releasing pair has no positive inertia")
+        somewhere = len(shares) < len(places) or max(shares) > 0
+        return Verdict(REFUSED, somewhere, "the releasing pair has no positive inertia")
     return None
 
 

@@ -92,9 +92,11 @@ class Law(NamedTuple):
     load: float
 
     def at(self, v: float, nominal: float) -> float:
+        """An integrator's step may reach beyond the end of the motion, where v is negative: the smooth
+        continuation of the law."""
         mu = self.kinetic
         if self.peak != 1.0:
-            mu *= 1 + (self.peak - 1) * math.exp(-((max(v, 0.0) / self.stribeck) ** self.exponent))
+            mu *= 1 + (self.peak - 1) * math.exp(-(max(v / self.stribeck, -2.0) ** self.exponent))
         if self.nu != 0.0:
             mu *= ((nominal * nominal + (0.1 * self.load) ** 2) / self.load**2) ** (self.nu / 2)
         return mu + self.viscous * v
@@ -194,15 +196,16 @@ class Mechanism:
         return (self.J + self.m * k.dz**2 + self.I * k.dgamma**2) * omega**2 / 2
 
     def damper_force(self, sigma: int, v: float) -> float:
+        """Continued smoothly to v against sigma, where a step may reach beyond the end of the motion."""
         c, q = self.damper[sigma]
-        return v * (c + q * abs(v))
+        return v * (c + q * sigma * v)
 
-    def friction(self, k: Place, omega: float, axial: float) -> tuple[float, float]:
-        """mu_1 and mu_2 at this speed under the nominal loads of the axial resistance."""
+    def friction(self, k: Place, speed: float, axial: float) -> tuple[float, float]:
+        """mu_1 and mu_2 at |omega| under the nominal loads of the axial resistance."""
         share = abs(axial) / (self.contacts * (k.a1 + k.a2))
         return (
-            self.laws[0].at(abs(k.dgamma * omega) * k.length1, share * k.a2 * k.length1 / self.r1),
-            self.laws[1].at(abs((1 - k.dgamma) * omega) * k.length2, share * k.a1 * k.length2 / self.r2),
+            self.laws[0].at(k.dgamma * speed * k.length1, share * k.a2 * k.length1 / self.r1),
+            self.laws[1].at((1 - k.dgamma) * speed * k.length2, share * k.a1 * k.length2 / self.r2),
         )
 
     def corner(self, k: Place, f1: float, f2: float) -> tuple[float, float, float, float, float]:
@@ -226,7 +229,7 @@ class Mechanism:
         if not self.inertial:
             return self._creep(k, sigma, e, tau, f_ext)
         axial = self.spring_force(k.z) + f_ext + self.damper_force(sigma, k.dz * omega)
-        mu1, mu2 = self.friction(k, omega, axial)
+        mu1, mu2 = self.friction(k, sigma * omega, axial)
         most1, most2 = k.a1 + mu1 * self.r1, k.a2 + mu2 * self.r2  # of |n_1| and |n_2|
         n1, n2, d1, d2, delta = self.corner(k, sigma * e[0] * mu1, sigma * e[1] * mu2)
         p, q = self.r1 * self.r2 * n1 * n2, self.r2 * n2 * d1

@@ -158,7 +158,7 @@ class Simulation:
         mech, k = self.mechanism, self.mechanism.at(self.theta)
         sigma, v = slide.sigma, k.dz * self.omega
         axial = mech.spring_force(k.z) + value(self.f_ext, t) + mech.damper_force(sigma, v)
-        mu1, mu2 = mech.friction(k, self.omega, axial)
+        mu1, mu2 = mech.friction(k, abs(self.omega), axial)
         f1, f2 = sigma * e[0] * mu1, sigma * e[1] * mu2
         c, q = mech.damper[sigma]
         parts = (mech.J, mech.m, mech.I) if mech.inertial else (mech.b, c + 2 * q * abs(v), 0.0)
@@ -316,7 +316,7 @@ class Simulation:
             moved = self.theta
             self._settle(end)
             self.doubtful = True
-            if len(self.tau) > 1 and end > start and self.theta != moved:
+            if len(self.tau) > 1 and end > start and self.theta != moved and self.mode == STICK:
                 self.mode = self._moving_mode(1 if self.theta > moved else -1)
 
     def _settle(self, t: float) -> None:
