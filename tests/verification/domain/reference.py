@@ -294,7 +294,7 @@ class Simulation:
                 continue
             time, index = found
             if len(row) == 1:
-                self._set_mode(STICK)
+                self._leave_stop(time, near)
                 return time
             sigma = 1 if index == 0 else -1
             if self.theta >= mech.upper if sigma > 0 else self.theta <= mech.lower:
@@ -303,6 +303,16 @@ class Simulation:
                 self._leave(time, sigma)
             return time
         return self.duration
+
+    def _leave_stop(self, t: float, near: float) -> None:
+        """The torque no longer presses into the stop: the mechanism sticks, or moves where the band has no
+        width."""
+        sigma = -1 if self.mode == UPPER_STOP else 1
+        gap = self._gaps(self.mechanism.at(self.theta), t)[0 if sigma > 0 else 1]
+        if gap <= near:
+            self._leave(t, sigma)
+        else:
+            self._set_mode(STICK)
 
     # neither inertia nor damping: the play
 
