@@ -269,9 +269,10 @@ bool domain_check_motion(const Params *p, const Transmission *transmission, doub
             Determinant d = {.params = p, .by = resistance_of(p, direction)};
             if (!edge_friction(p, &s, direction, mu, d.f)) continue;
             const double missing = missing_at(&d, s.point.slope);
+            const bool outweighed = has_inertia(p) && missing >= d.by.shaft;
             const bool level = d.by.shaft == 0.0 && d.by.turning == 0.0 &&
                                cam_dz_dtheta(s.point.slope) <= NEAR_DWELL * transmission->slope_size;
-            if (!(missing >= d.by.shaft || level) || (worst != 0 && missing <= most)) continue;
+            if (!(outweighed || level) || (worst != 0 && missing <= most)) continue;
             most = missing;
             at = s.theta;
             worst = direction;
