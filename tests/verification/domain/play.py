@@ -248,7 +248,13 @@ def _compare_cut(
 
 def judge_far(library: Any, seed: int, tolerance: float) -> Outcome:
     """A scene far outside: every answer is finite and gains no energy, or the call is refused with a message."""
-    params, intervals = draw_far(seed)
+    drawn, intervals = draw_far(seed)
+    limits = FORWARD.variables
+    params = {
+        name: type(given)(min(max(given, limits[name].min), limits[name].max))
+        for name, given in drawn.items()
+        if name in limits
+    }
     outcome = Outcome(seed, "far outside")
     try:
         rows = play(library, params, [[i] for i in intervals], tolerance)

@@ -48,6 +48,8 @@ def draw_scene(seed: int) -> Scene:
     if regime != "inertial":
         params |= {name: value for name, value in _coulomb(params).items()}
     params |= _draw_masses(rng, regime)
+    if regime == "inertial" and rng.random() < 0.2:
+        params |= _locked(rng)
     params |= _draw_dampers(rng, regime, stiffness, slope)
     inertia = sum(_inertias(params, slope))
     period = 2 * math.pi * math.sqrt(inertia / stiffness) if inertia > 0 else log_uniform(rng, 0.01, 1.0)
@@ -148,6 +150,18 @@ def _draw_masses(rng: Rng, regime: str) -> Params:
     }
 
 
+def _locked(rng: Rng) -> Params:
+    """A flat groove with much friction, and a follower that outweighs the shaft: often self-locking."""
+    i, shaft = int(rng.integers(1, 3)), log_uniform(rng, 1e-6, 1e-3)
+    return {
+        f"cam{i}.profile": HELIX,
+        f"cam{i}.lead_angle": math.radians(rng.uniform(5.0, 20.0)),
+        f"cam{i}.friction": rng.uniform(0.2, 0.4),
+        "inertia.shaft": shaft,
+        "inertia.follower_mass": min(shaft * log_uniform(rng, 1e3, 1e6), 2.0),
+    }
+
+
 def _draw_dampers(rng: Rng, regime: str, stiffness: float, slope: float) -> Params:
     if regime == "play":
         return {}
@@ -204,6 +218,7 @@ def draw_far(seed: int) -> tuple[Params, list[Interval]]:
     for name in rng.choice(continuous, int(rng.integers(1, 8)), replace=False):
         params[name] = float(rng.choice([0.0, -1.0, 1.0, 1e-3, 1.0])) * log_uniform(rng, 1e-9, 1e9)
     for i in (1, 2):
+        params[f"cam{i}.profile"] = min(params[f"cam{i}.profile"], ELLIPSE)
         if rng.random() < 0.4:
             params[f"cam{i}.friction"] = log_uniform(rng, 0.3, 30.0)
     intervals = [
