@@ -1,4 +1,4 @@
-"""The class of a design by docs/mechanism.md, section 3: the corners of D, sampled densely between the stops."""
+"""The class of a design by docs/mechanism.md, section 3: corners of D, sampled between the stops."""
 
 from __future__ import annotations
 
@@ -72,9 +72,7 @@ def _relative(mech: Mechanism, k: Place, f1: float, f2: float, parts: tuple[floa
     return mech.inertia(k, f1, f2, parts) / size if size > 0 else 0.0
 
 
-def _refusal(
-    mech: Mechanism, places: list[Place], f_ext: float, mu: tuple[float, float]
-) -> Verdict | None:
+def _refusal(mech: Mechanism, places: list[Place], f_ext: float, mu: tuple[float, float]) -> Verdict | None:
     loading = [mech.corner(k, *mu)[4] / (mech.r1 * mech.r2 * (k.a1 + k.a2 + mech.r1)) for k in places]
     if min(loading) <= BORDER:
         return Verdict(REFUSED, abs(min(loading)) <= BORDER, "no pair loads the mechanism")

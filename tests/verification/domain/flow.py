@@ -1,4 +1,4 @@
-"""One segment of motion on given flanks: steps with a dense solution, and the first event among its guards."""
+"""One segment of motion on given flanks: steps with a dense solution, and the first event of its guards."""
 
 from __future__ import annotations
 
@@ -38,9 +38,7 @@ def value(polynomial: Polynomial, t: float) -> float:
 class Slide:
     """Motion along sigma on the flanks e, under inputs that are polynomials in the time of their interval."""
 
-    def __init__(
-        self, mechanism: Mechanism, sigma: int, e: Pair, tau: Polynomial, f_ext: Polynomial
-    ) -> None:
+    def __init__(self, mechanism: Mechanism, sigma: int, e: Pair, tau: Polynomial, f_ext: Polynomial) -> None:
         self.mechanism, self.sigma, self.e, self.tau, self.f_ext = mechanism, sigma, e, tau, f_ext
 
     def motion(self, t: float, state: State) -> Motion:
@@ -57,7 +55,9 @@ class Slide:
         stop = mech.upper - state[0] if sigma > 0 else state[0] - mech.lower
         reactions = (
             e * x / size if law.kinetic + law.viscous > 0 and size > 0 else 1.0
-            for e, x, size, law in zip(self.e, (now.x1, now.x2), (now.size1, now.size2), mech.laws, strict=True)
+            for e, x, size, law in zip(
+                self.e, (now.x1, now.x2), (now.size1, now.size2), mech.laws, strict=True
+            )
         )
         return sigma * now.omega, *reactions, stop, now.share
 
@@ -102,7 +102,7 @@ class Slide:
         return -(self.motion(t, (theta + h, 0.0)).omega - self.motion(t, state).omega) / h
 
     def _series(self, t: float, end: float, state: State) -> Iterator[Step]:
-        """Helices under linear forces: a Taylor series in each step, which its recurrence gives to rounding."""
+        """Helices under linear forces: in each step a Taylor series, to rounding."""
         rows = self._linear_rows()
         rate = sum(abs(c) ** (1 / (len(rows) - k)) for k, c in enumerate(rows))
         length = 1.0 / rate if rate > 0 else math.inf
@@ -216,7 +216,11 @@ def _dip(f: Callable[[float], float], times: list[float], values: list[float]) -
     """A time at which f is negative near its valley, which lies less deep below the middle sample than
     either neighbour's slope would lead in the other cell."""
     (t0, t1, t2), (left, middle, right) = times, values
-    if not t0 < t1 < t2 or middle < 0 or middle > max((left - middle) / (t1 - t0) * (t2 - t1), (right - middle) / (t2 - t1) * (t1 - t0)):
+    if (
+        not t0 < t1 < t2
+        or middle < 0
+        or middle > max((left - middle) / (t1 - t0) * (t2 - t1), (right - middle) / (t2 - t1) * (t1 - t0))
+    ):
         return None
     found = minimize_scalar(f, bounds=(t0, t2), method="bounded", options={"xatol": (t2 - t0) * 1e-7})
     return float(found.x) if found.fun < 0 else None
@@ -227,7 +231,9 @@ def _descent(f: Callable[[float], float], low: float, high: float, at_low: float
     if math.isnan(f(high)):
         raise Unresolved("the balance has no answer")
     if at_low <= 0:
-        inner = next((low + (high - low) * 0.5**k for k in range(1, 46) if f(low + (high - low) * 0.5**k) > 0), None)
+        inner = next(
+            (low + (high - low) * 0.5**k for k in range(1, 46) if f(low + (high - low) * 0.5**k) > 0), None
+        )
         if inner is None:
             return low
         low = inner
