@@ -20,6 +20,7 @@ GUARDS = ("rest", "x1", "x2", "stop", "mass")
 State = tuple[float, float]  # theta, omega
 Dense = Callable[[float], State]
 Polynomial = Sequence[float]
+Row = Sequence[float]  # one number for each guard
 
 
 class Step(NamedTuple):
@@ -155,7 +156,7 @@ class Slide:
 
     def first_event(self, t: float, end: float, state: State) -> tuple[float, State, str]:
         """Where the first guard passes zero, and its name; "end" at the end of the interval."""
-        row = self.guards(t, state)
+        row: Row = self.guards(t, state)
         for count, step in enumerate(self.steps(t, end, state)):
             if count > MOST_STEPS:
                 raise Unresolved("too many steps")
@@ -182,7 +183,6 @@ def _shifted(polynomial: Polynomial, t: float, k: int) -> float:
 
 
 PLACES = (1e-3, 1 / 3, 2 / 3, 1 - 1e-3, 1.0)  # samples of a step, those next to its ends for the slopes there
-Row = Sequence[float]
 
 
 def first_crossing(
@@ -195,7 +195,11 @@ def first_crossing(
     rows = [row, *map(f, times[1:])]
     best: tuple[float, int] | None = None
     for i in range(len(row)):
-        found = _first_of_one(lambda t, i=i: f(t)[i], times, [r[i] for r in rows])
+
+        def component(t: float, i: int = i) -> float:
+            return f(t)[i]
+
+        found = _first_of_one(component, times, [r[i] for r in rows])
         if found is not None and (best is None or found < best[0]):
             best = found, i
     return best, rows[-1]

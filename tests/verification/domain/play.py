@@ -210,7 +210,7 @@ def _compare(
 def _is_sensitive(
     scene: Scene, points: Sequence[Point], scales: tuple[float, float], error: float, tolerance: float
 ) -> bool:
-    """Does the reference itself change as much, or by a mode or an event, under data changed by a tolerance?"""
+    """Does the reference change as much, or by a mode or event, under data changed by a tolerance?"""
     rng = np.random.default_rng([50, scene.seed])
     for _ in range(3):
         signs = iter(rng.choice([-1, 1], 200).tolist())
@@ -256,7 +256,7 @@ def _compare_cut(
 
 
 def judge_far(library: Any, seed: int, tolerance: float) -> Outcome:
-    """A scene far outside: every answer is finite and gains no energy, or the call is refused with a message."""
+    """A scene far outside: each answer is finite and gains no energy, or a message refuses the call."""
     drawn, intervals = draw_far(seed)
     limits = FORWARD.variables
     params = {

@@ -137,8 +137,8 @@ class Simulation:
 
     def _flip(self, t: float, slide: Slide) -> None:
         """The reactions that are zero change their flanks. By Cramer's rule x_i is a number that does not
-        depend on e_i, over D: after its zero it lies on the other flank if D keeps its sign. Where both are zero
-        (I = 0 and the load passes zero) x_1 is in proportion to n_2/D and x_2 to n_1/D."""
+        depend on e_i, over D: after its zero it lies on the other flank if D keeps its sign. Where both are
+        zero (I = 0 and the load passes zero) x_1 is in proportion to n_2/D and x_2 to n_1/D."""
         now = slide.motion(t, (self.theta, self.omega))
         zero = [abs(x) <= 1e-9 * size for x, size in ((now.x1, now.size1), (now.x2, now.size2))]
         first = (-slide.e[0] if zero[0] else slide.e[0], -slide.e[1] if zero[1] else slide.e[1])
@@ -197,8 +197,8 @@ class Simulation:
         return next((e for e, _ in carried if e in among), None)
 
     def _agrees(self, now: Motion, e: Pair, sigma: int, near: float) -> bool:
-        """Each reaction on its flank, to rounding; D/Delta > 0; from rest the motion goes along sigma. `near`:
-        N.m, a torque that is rounding."""
+        """Each reaction on its flank, to rounding; D/Delta > 0; from rest the motion goes along sigma.
+        `near`: N.m, a torque that is rounding."""
         if not now.share > 0:
             return False
         flanks = zip(e, (now.x1, now.x2), (now.size1, now.size2), self.mechanism.laws, strict=True)
@@ -290,7 +290,8 @@ class Simulation:
             def held(time: float) -> tuple[float, ...]:
                 return self._gaps(k, time)
 
-        row, width = held(t), (self.duration - t) / SAMPLES
+        row: Sequence[float] = held(t)
+        width = (self.duration - t) / SAMPLES
         if self.mode == WEDGED and min(row) < 0:
             return self.duration
         near = 1e-12 * self._torque_size(k, t)
@@ -327,8 +328,9 @@ class Simulation:
     def _follow_band(self) -> None:
         """theta moves just far enough that the torque is in the band. F_ext is constant in the interval, so
         that theta is monotone where tau is."""
-        slope = np.polynomial.Polynomial(self.tau).deriv().roots() if len(self.tau) > 2 else []
-        inner = sorted(float(r.real) for r in slope if abs(r.imag) < 1e-12 and 0 < r.real < self.duration)
+        rate = np.polynomial.Polynomial(self.tau).deriv()
+        turns = rate.roots().astype(complex) if len(self.tau) > 2 else np.zeros(0, complex)
+        inner = sorted(float(r.real) for r in turns if abs(r.imag) < 1e-12 and 0 < r.real < self.duration)
         self._settle(0.0)
         for start, end in pairwise([0.0, *inner, self.duration]):
             moved = self.theta

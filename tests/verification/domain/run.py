@@ -61,7 +61,7 @@ def outcomes(options: argparse.Namespace) -> Iterator[Outcome]:
 
 def table(found: list[Outcome]) -> str:
     lines = [
-        f"{'class':>14} {'scenes':>7} {'wrong':>6} {'refused':>8} {'open':>5} {'error':>9} {'cut':>9} {'residual':>9}"
+        "         class  scenes  wrong  refused  open     error       cut  residual"
     ]
     for kind in sorted({o.kind for o in found}):
         rows = [o for o in found if o.kind == kind]
@@ -74,7 +74,8 @@ def table(found: list[Outcome]) -> str:
         )
         residual = max((o.residual for o in rows), default=0.0)
         lines.append(
-            f"{kind:>14} {len(rows):7} {counts[0]:6} {counts[1]:8} {counts[2]:5} {error:9.3g} {cut:9.3g} {residual:9.1e}"
+            f"{kind:>14} {len(rows):7} {counts[0]:6} {counts[1]:8} {counts[2]:5}"
+            f" {error:9.3g} {cut:9.3g} {residual:9.1e}"
         )
     for title, texts in (
         ("refused", [f"{o.kind}: {o.refusal}" for o in found if o.refusal]),
