@@ -1,4 +1,4 @@
-"""The class of a design by docs/mechanism.md, section 3: the corners of D, sampled densely between the stops."""
+"""The class of a design by docs/mechanism.md, section 3: corners of D, sampled between the stops."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from .mechanics import Mechanism, Place
 
 UNIQUE, SELF_LOCKING, REFUSED = "unique", "self-locking", "refused"
 SAMPLES = 201
+SAMPLES_OF_HELICES = 9  # their slopes are the same everywhere; the load is not
 BORDER = 1e-6  # relative; a design nearer to the border of a class belongs to either
 
 
@@ -25,7 +26,8 @@ def classify(params: Mapping[str, Any], f_ext: float) -> Verdict:
     mech = Mechanism(params)
     if not mech.inertial and any(law.varies_with_speed for law in mech.laws):
         return Verdict(REFUSED, False, "friction that varies with the speed, without inertia")
-    places = [mech.at(theta) for theta in np.linspace(mech.lower, mech.upper, SAMPLES).tolist()]
+    samples = SAMPLES_OF_HELICES if mech.helical else SAMPLES
+    places = [mech.at(theta) for theta in np.linspace(mech.lower, mech.upper, samples).tolist()]
     if any(k.a1 + k.a2 < 1e-9 * (mech.r1 + mech.r2) for k in places):
         return Verdict(REFUSED, False, "both grooves dwell")
     mu = _largest_coefficients(mech, places, f_ext)
@@ -70,18 +72,16 @@ def _relative(mech: Mechanism, k: Place, f1: float, f2: float, parts: tuple[floa
     return mech.inertia(k, f1, f2, parts) / size if size > 0 else 0.0
 
 
-def _refusal(
-    mech: Mechanism, places: list[Place], f_ext: float, mu: tuple[float, float]
-) -> Verdict | None:
+def _refusal(mech: Mechanism, places: list[Place], f_ext: float, mu: tuple[float, float]) -> Verdict | None:
     loading = [mech.corner(k, *mu)[4] / (mech.r1 * mech.r2 * (k.a1 + k.a2 + mech.r1)) for k in places]
     if min(loading) <= BORDER:
         return Verdict(REFUSED, abs(min(loading)) <= BORDER, "no pair loads the mechanism")
-    if not mech.inertial:
+    if not (mech.inertial or mech.damped):
         return None
     shares = [share for k in places if (share := _releasing_share(mech, k, f_ext)) is not None]
     if shares and min(shares) <= BORDER:
         somewhere = len(shares) < len(places) or max(shares) > 0
-        return Verdict(REFUSED, somewhere, "the releasing pair has no positive inertia")
+        return Verdict(REFUSED, somewhere, "the releasing pair resists no motion")
     return None
 
 
@@ -95,4 +95,7 @@ def _releasing_share(mech: Mechanism, k: Place, f_ext: float) -> float | None:
     mu1, mu2 = mech.friction(k, 0.0, f0)
     f1, f2 = sigma * e1 * mu1, sigma * e2 * mu2
     delta = mech.corner(k, f1, f2)[4]
-    return _relative(mech, k, f1, f2, (mech.J, mech.m, mech.I)) * (1 if delta > 0 else -1)
+    c, q = mech.damper[sigma]
+    slow = mech.b, c or q, 0.0  # without inertia; quadratic damping resists from the first speed on
+    parts = (mech.J, mech.m, mech.I) if mech.inertial else slow
+    return _relative(mech, k, f1, f2, parts) * (1 if delta > 0 else -1)

@@ -1,4 +1,4 @@
-"""One segment of motion on given flanks: steps with a dense solution, and the first event among its guards."""
+"""One segment of motion on given flanks: steps with a dense solution, and the first event of its guards."""
 
 from __future__ import annotations
 
@@ -20,6 +20,7 @@ GUARDS = ("rest", "x1", "x2", "stop", "mass")
 State = tuple[float, float]  # theta, omega
 Dense = Callable[[float], State]
 Polynomial = Sequence[float]
+Row = Sequence[float]  # one number for each guard
 
 
 class Step(NamedTuple):
@@ -38,9 +39,7 @@ def value(polynomial: Polynomial, t: float) -> float:
 class Slide:
     """Motion along sigma on the flanks e, under inputs that are polynomials in the time of their interval."""
 
-    def __init__(
-        self, mechanism: Mechanism, sigma: int, e: Pair, tau: Polynomial, f_ext: Polynomial
-    ) -> None:
+    def __init__(self, mechanism: Mechanism, sigma: int, e: Pair, tau: Polynomial, f_ext: Polynomial) -> None:
         self.mechanism, self.sigma, self.e, self.tau, self.f_ext = mechanism, sigma, e, tau, f_ext
 
     def motion(self, t: float, state: State) -> Motion:
@@ -57,7 +56,9 @@ class Slide:
         stop = mech.upper - state[0] if sigma > 0 else state[0] - mech.lower
         reactions = (
             e * x / size if law.kinetic + law.viscous > 0 and size > 0 else 1.0
-            for e, x, size, law in zip(self.e, (now.x1, now.x2), (now.size1, now.size2), mech.laws, strict=True)
+            for e, x, size, law in zip(
+                self.e, (now.x1, now.x2), (now.size1, now.size2), mech.laws, strict=True
+            )
         )
         return sigma * now.omega, *reactions, stop, now.share
 
@@ -102,7 +103,7 @@ class Slide:
         return -(self.motion(t, (theta + h, 0.0)).omega - self.motion(t, state).omega) / h
 
     def _series(self, t: float, end: float, state: State) -> Iterator[Step]:
-        """Helices under linear forces: a Taylor series in each step, which its recurrence gives to rounding."""
+        """Helices under linear forces: in each step a Taylor series, to rounding."""
         rows = self._linear_rows()
         rate = sum(abs(c) ** (1 / (len(rows) - k)) for k, c in enumerate(rows))
         length = 1.0 / rate if rate > 0 else math.inf
@@ -155,7 +156,7 @@ class Slide:
 
     def first_event(self, t: float, end: float, state: State) -> tuple[float, State, str]:
         """Where the first guard passes zero, and its name; "end" at the end of the interval."""
-        row = self.guards(t, state)
+        row: Row = self.guards(t, state)
         for count, step in enumerate(self.steps(t, end, state)):
             if count > MOST_STEPS:
                 raise Unresolved("too many steps")
@@ -182,7 +183,6 @@ def _shifted(polynomial: Polynomial, t: float, k: int) -> float:
 
 
 PLACES = (1e-3, 1 / 3, 2 / 3, 1 - 1e-3, 1.0)  # samples of a step, those next to its ends for the slopes there
-Row = Sequence[float]
 
 
 def first_crossing(
@@ -195,7 +195,11 @@ def first_crossing(
     rows = [row, *map(f, times[1:])]
     best: tuple[float, int] | None = None
     for i in range(len(row)):
-        found = _first_of_one(lambda t, i=i: f(t)[i], times, [r[i] for r in rows])
+
+        def component(t: float, i: int = i) -> float:
+            return f(t)[i]
+
+        found = _first_of_one(component, times, [r[i] for r in rows])
         if found is not None and (best is None or found < best[0]):
             best = found, i
     return best, rows[-1]
@@ -216,7 +220,11 @@ def _dip(f: Callable[[float], float], times: list[float], values: list[float]) -
     """A time at which f is negative near its valley, which lies less deep below the middle sample than
     either neighbour's slope would lead in the other cell."""
     (t0, t1, t2), (left, middle, right) = times, values
-    if not t0 < t1 < t2 or middle < 0 or middle > max((left - middle) / (t1 - t0) * (t2 - t1), (right - middle) / (t2 - t1) * (t1 - t0)):
+    if (
+        not t0 < t1 < t2
+        or middle < 0
+        or middle > max((left - middle) / (t1 - t0) * (t2 - t1), (right - middle) / (t2 - t1) * (t1 - t0))
+    ):
         return None
     found = minimize_scalar(f, bounds=(t0, t2), method="bounded", options={"xatol": (t2 - t0) * 1e-7})
     return float(found.x) if found.fun < 0 else None
@@ -227,7 +235,9 @@ def _descent(f: Callable[[float], float], low: float, high: float, at_low: float
     if math.isnan(f(high)):
         raise Unresolved("the balance has no answer")
     if at_low <= 0:
-        inner = next((low + (high - low) * 0.5**k for k in range(1, 46) if f(low + (high - low) * 0.5**k) > 0), None)
+        inner = next(
+            (low + (high - low) * 0.5**k for k in range(1, 46) if f(low + (high - low) * 0.5**k) > 0), None
+        )
         if inner is None:
             return low
         low = inner

@@ -219,9 +219,7 @@ class Mechanism:
         n1, n2, d1, _, delta = self.corner(k, f1, f2)
         shaft, mass, turning = parts
         return (
-            shaft * delta
-            + mass * k.dz * self.r1 * self.r2 * n1 * n2
-            + turning * k.dgamma * self.r2 * n2 * d1
+            shaft * delta + mass * k.dz * self.r1 * self.r2 * n1 * n2 + turning * k.dgamma * self.r2 * n2 * d1
         )
 
     def motion(self, k: Place, sigma: int, e: Pair, omega: float, tau: float, f_ext: float) -> Motion:

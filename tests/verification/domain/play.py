@@ -6,6 +6,7 @@ import math
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -88,7 +89,7 @@ def pieces(interval: Interval, rng: np.random.Generator) -> list[Interval]:
     ends = [0.0, *(float(c) for c in cuts if 0 < c < interval.duration), interval.duration]
     return [
         Interval(b - a, _moved(interval.tau, a), _moved(interval.f_ext, a))
-        for a, b in zip(ends[:-1], ends[1:], strict=True)
+        for a, b in pairwise(ends)
         if b > a
     ]
 
@@ -100,7 +101,9 @@ def _moved(polynomial: Sequence[float], by: float) -> tuple[float, ...]:
     )
 
 
-def play(library: Any, params: dict[str, Any], intervals: Sequence[Sequence[Interval]], tolerance: float) -> list[dict[str, Any]]:
+def play(
+    library: Any, params: dict[str, Any], intervals: Sequence[Sequence[Interval]], tolerance: float
+) -> list[dict[str, Any]]:
     """The FMU's variables at the end of each group of intervals. Raises Refusal."""
     run = Run(library, params, intervals[0][0], tolerance)
     rows = []
@@ -171,13 +174,17 @@ def _follows_band(scene: Scene) -> bool:
     return not any(given for name, given in scene.params.items() if name.startswith(names))
 
 
-def _distance(scene: Scene, one: tuple[float, float], other: tuple[float, float], scales: tuple[float, float]) -> float:
+def _distance(
+    scene: Scene, one: tuple[float, float], other: tuple[float, float], scales: tuple[float, float]
+) -> float:
     """The larger error of angle and speed, in their scales; without inertia and damping that of the angle."""
     angle = abs(one[0] - other[0]) / scales[0]
     return angle if _follows_band(scene) else max(angle, abs(one[1] - other[1]) / scales[1])
 
 
-def _compare(scene: Scene, rows: Sequence[dict[str, Any]], points: Sequence[Point], tolerance: float, outcome: Outcome) -> None:
+def _compare(
+    scene: Scene, rows: Sequence[dict[str, Any]], points: Sequence[Point], tolerance: float, outcome: Outcome
+) -> None:
     scales = _scales(scene, points)
     errors = [
         _distance(scene, (row["theta"], row["omega"]), (p.theta, p.omega), scales) / tolerance
@@ -200,8 +207,10 @@ def _compare(scene: Scene, rows: Sequence[dict[str, Any]], points: Sequence[Poin
         outcome.problems.append(wrong[0])
 
 
-def _is_sensitive(scene: Scene, points: Sequence[Point], scales: tuple[float, float], error: float, tolerance: float) -> bool:
-    """Does the reference itself change as much, or by a mode or an event, under data changed by a tolerance?"""
+def _is_sensitive(
+    scene: Scene, points: Sequence[Point], scales: tuple[float, float], error: float, tolerance: float
+) -> bool:
+    """Does the reference change as much, or by a mode or event, under data changed by a tolerance?"""
     rng = np.random.default_rng([50, scene.seed])
     for _ in range(3):
         signs = iter(rng.choice([-1, 1], 200).tolist())
@@ -247,8 +256,14 @@ def _compare_cut(
 
 
 def judge_far(library: Any, seed: int, tolerance: float) -> Outcome:
-    """A scene far outside: every answer is finite and gains no energy, or the call is refused with a message."""
-    params, intervals = draw_far(seed)
+    """A scene far outside: each answer is finite and gains no energy, or a message refuses the call."""
+    drawn, intervals = draw_far(seed)
+    limits = FORWARD.variables
+    params = {
+        name: type(given)(min(max(given, limits[name].min), limits[name].max))
+        for name, given in drawn.items()
+        if name in limits
+    }
     outcome = Outcome(seed, "far outside")
     try:
         rows = play(library, params, [[i] for i in intervals], tolerance)
@@ -270,5 +285,3 @@ def judge_far(library: Any, seed: int, tolerance: float) -> Outcome:
 def plain(message: str) -> str:
     """The message without its numbers, so that those of one kind are counted together."""
     return re.sub(r"[-+]?\d[\d.]*(e[-+]?\d+)?", "#", message.splitlines()[0])[:150]
-
-

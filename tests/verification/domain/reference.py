@@ -1,5 +1,5 @@
-"""The forward dynamics of docs/mechanism.md solved from event to event, with the documented rule for the pair of
-flanks. An independent judge of the FMU: nothing here is taken from its code."""
+"""The forward dynamics of docs/mechanism.md solved from event to event, with the documented rule for the
+pair of flanks. An independent judge of the FMU: nothing here is taken from its code."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.optimize import brentq
 
-from .flow import Polynomial, Slide, first_crossing, value
+from .flow import Slide, first_crossing, value
 from .mechanics import PAIRS, ROUNDING, Mechanism, Motion, Pair, Place, Unresolved
 
 STICK, LOADING, RELEASING, LOWER_STOP, UPPER_STOP, WEDGED = range(1, 7)
@@ -38,7 +38,7 @@ class Point(NamedTuple):
     mode: int
     events: int
     energy: float  # J, spring and kinetic
-    doubtful: bool  # bounces below rounding, or a decision within rounding, so that the count of events is open
+    doubtful: bool  # bounces below rounding, or jumps of the play: the count of events is open
 
 
 class Ambiguous(Exception):
@@ -137,8 +137,8 @@ class Simulation:
 
     def _flip(self, t: float, slide: Slide) -> None:
         """The reactions that are zero change their flanks. By Cramer's rule x_i is a number that does not
-        depend on e_i, over D: after its zero it lies on the other flank if D keeps its sign. Where both are zero
-        (I = 0 and the load passes zero) x_1 is in proportion to n_2/D and x_2 to n_1/D."""
+        depend on e_i, over D: after its zero it lies on the other flank if D keeps its sign. Where both are
+        zero (I = 0 and the load passes zero) x_1 is in proportion to n_2/D and x_2 to n_1/D."""
         now = slide.motion(t, (self.theta, self.omega))
         zero = [abs(x) <= 1e-9 * size for x, size in ((now.x1, now.size1), (now.x2, now.size2))]
         first = (-slide.e[0] if zero[0] else slide.e[0], -slide.e[1] if zero[1] else slide.e[1])
@@ -147,7 +147,11 @@ class Simulation:
             n1, n2, mass = terms[slide.e]
             after = -slide.e[0] * n2 * mass, -slide.e[1] * n1 * mass
             after = (after[0] or after[1],) * 2
-            leaving = [e for e, (m1, m2, d) in terms.items() if e[0] * m2 * d * after[0] >= 0 <= e[1] * m1 * d * after[0]]
+            leaving = [
+                e
+                for e, (m1, m2, d) in terms.items()
+                if e[0] * m2 * d * after[0] >= 0 <= e[1] * m1 * d * after[0]
+            ]
         else:
             same = terms[first][2] * terms[slide.e][2] > 0
             leaving = [e for e in PAIRS if e != slide.e and (same or e != first)]
@@ -166,7 +170,7 @@ class Simulation:
         return n1, n2, mech.inertia(k, f1, f2, parts)
 
     def _slip(self, t: float, sigma: int, first: Pair | None, among: Sequence[Pair] = PAIRS) -> None:
-        """Motion along sigma on the first pair of the documented order that carries; else the contacts wedge."""
+        """Motion along sigma on the first pair in the documented order that carries; none: wedged."""
         e = self._carrying(t, sigma, first, among)
         if e is None:
             self.slide, self.omega = None, 0.0
@@ -183,14 +187,18 @@ class Simulation:
         order = [first] if first is not None else []
         order += [e for e in ((side * g, side * h) for g, h in PAIRS) if e not in order]
         near = ROUNDING * self._torque_size(k, t)
-        carried = [(e, now) for e in order if self._agrees(now := mech.motion(k, sigma, e, self.omega, *inputs), e, sigma, near)]
+        carried = [
+            (e, now)
+            for e in order
+            if self._agrees(now := mech.motion(k, sigma, e, self.omega, *inputs), e, sigma, near)
+        ]
         if self.unique and mech.inertial:
             self._check_unique(carried)
         return next((e for e, _ in carried if e in among), None)
 
     def _agrees(self, now: Motion, e: Pair, sigma: int, near: float) -> bool:
-        """Each reaction on its flank, to rounding; D/Delta > 0; from rest the motion goes along sigma. `near`:
-        N.m, a torque that is rounding."""
+        """Each reaction on its flank, to rounding; D/Delta > 0; from rest the motion goes along sigma.
+        `near`: N.m, a torque that is rounding."""
         if not now.share > 0:
             return False
         flanks = zip(e, (now.x1, now.x2), (now.size1, now.size2), self.mechanism.laws, strict=True)
@@ -282,7 +290,8 @@ class Simulation:
             def held(time: float) -> tuple[float, ...]:
                 return self._gaps(k, time)
 
-        row, width = held(t), (self.duration - t) / SAMPLES
+        row: Sequence[float] = held(t)
+        width = (self.duration - t) / SAMPLES
         if self.mode == WEDGED and min(row) < 0:
             return self.duration
         near = 1e-12 * self._torque_size(k, t)
@@ -319,8 +328,9 @@ class Simulation:
     def _follow_band(self) -> None:
         """theta moves just far enough that the torque is in the band. F_ext is constant in the interval, so
         that theta is monotone where tau is."""
-        slope = np.polynomial.Polynomial(self.tau).deriv().roots() if len(self.tau) > 2 else []
-        inner = sorted(float(r.real) for r in slope if abs(r.imag) < 1e-12 and 0 < r.real < self.duration)
+        rate = np.polynomial.Polynomial(self.tau).deriv()
+        turns = rate.roots().astype(complex) if len(self.tau) > 2 else np.zeros(0, complex)
+        inner = sorted(float(r.real) for r in turns if abs(r.imag) < 1e-12 and 0 < r.real < self.duration)
         self._settle(0.0)
         for start, end in pairwise([0.0, *inner, self.duration]):
             moved = self.theta
@@ -357,6 +367,8 @@ def nudged(params: Mapping[str, Any], by: float, signs: Iterator[int]) -> dict[s
     """The design with each continuous number but angles of stops changed by the relative amount `by`."""
     fixed = ("stop.", "initial.theta")
     return {
-        name: given * (1 + next(signs) * by) if isinstance(given, float) and not name.startswith(fixed) else given
+        name: given * (1 + next(signs) * by)
+        if isinstance(given, float) and not name.startswith(fixed)
+        else given
         for name, given in params.items()
     }

@@ -1,9 +1,9 @@
 """Random scenes of the domain on the built FMU, judged by the reference.
 
-    PYTHONPATH=tests:tests/support python -m verification.domain.run --scenes 10000 --jobs 2
-    ... --class self-locking --scenes 2000         scenes of one class alone
-    ... --far --scenes 1000                        scenes far outside: nothing but robustness
-    ... --seed 4711                                one scene again, with its data
+PYTHONPATH=tests:tests/support python -m verification.domain.run --scenes 10000 --jobs 2
+... --class self-locking --scenes 2000         scenes of one class alone
+... --far --scenes 1000                        scenes far outside: nothing but robustness
+... --seed 4711                                one scene again, with its data
 """
 
 from __future__ import annotations
@@ -60,15 +60,22 @@ def outcomes(options: argparse.Namespace) -> Iterator[Outcome]:
 
 
 def table(found: list[Outcome]) -> str:
-    lines = [f"{'class':>14} {'scenes':>7} {'wrong':>6} {'refused':>8} {'open':>5} {'error':>9} {'cut':>9} {'residual':>9}"]
+    lines = [
+        "         class  scenes  wrong  refused  open     error       cut  residual"
+    ]
     for kind in sorted({o.kind for o in found}):
         rows = [o for o in found if o.kind == kind]
         judged = [o for o in rows if not o.open and not o.refusal]
         error, cut = (max((getattr(o, name) for o in judged), default=0.0) for name in ("error", "cut_error"))
-        counts = sum(bool(o.problems) for o in rows), sum(bool(o.refusal) for o in rows), sum(bool(o.open) for o in rows)
+        counts = (
+            sum(bool(o.problems) for o in rows),
+            sum(bool(o.refusal) for o in rows),
+            sum(bool(o.open) for o in rows),
+        )
         residual = max((o.residual for o in rows), default=0.0)
         lines.append(
-            f"{kind:>14} {len(rows):7} {counts[0]:6} {counts[1]:8} {counts[2]:5} {error:9.3g} {cut:9.3g} {residual:9.1e}"
+            f"{kind:>14} {len(rows):7} {counts[0]:6} {counts[1]:8} {counts[2]:5}"
+            f" {error:9.3g} {cut:9.3g} {residual:9.1e}"
         )
     for title, texts in (
         ("refused", [f"{o.kind}: {o.refusal}" for o in found if o.refusal]),
@@ -95,7 +102,9 @@ def replay(options: argparse.Namespace) -> Outcome:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--scenes", type=int, default=1000)
     parser.add_argument("--first", type=int, default=0, help="first seed")
     parser.add_argument("--seed", type=int, help="this scene alone")

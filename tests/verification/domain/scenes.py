@@ -46,21 +46,29 @@ def draw_scene(seed: int) -> Scene:
     stiffness = max(params["spring.stiffness"], 0.3 * force / travel) * slope * slope
     regime = rng.choice(["inertial", "viscous", "play"], p=[0.86, 0.07, 0.07])
     if regime != "inertial":
-        params |= {name: value for name, value in _coulomb(params).items()}
+        params |= _coulomb()
     params |= _draw_masses(rng, regime)
+    if regime == "inertial" and rng.random() < 0.2:
+        params |= _locked(rng)
     params |= _draw_dampers(rng, regime, stiffness, slope)
     inertia = sum(_inertias(params, slope))
     period = 2 * math.pi * math.sqrt(inertia / stiffness) if inertia > 0 else log_uniform(rng, 0.01, 1.0)
     if regime == "inertial":
         speed = math.sqrt(force * slope * span / inertia)
         for i in (1, 2):  # the lubricated branch adds at most 0.1 or so
-            params[f"cam{i}.friction_viscous"] = min(params.get(f"cam{i}.friction_viscous", 0.0), 0.05 / (speed * mech.r1))
+            params[f"cam{i}.friction_viscous"] = min(
+                params.get(f"cam{i}.friction_viscous", 0.0), 0.05 / (speed * mech.r1)
+            )
         params["initial.omega"] = sometimes(rng, 0.4, rng.uniform(-1.0, 1.0) * speed)
         edge = params["initial.theta"]
         if edge in (mech.lower, mech.upper):
             params["initial.omega"] = abs(params["initial.omega"]) * (1 if edge == mech.lower else -1)
     intervals = _draw_inputs(rng, force, force * slope * 2, period, steady=regime == "play")
-    params = {name: value.item() if isinstance(value, np.generic) else value for name, value in params.items()}
+    params = {
+        name: given.item() if isinstance(given, np.generic) else given
+        for name, given in params.items()
+        if "cycloid" not in name or params[f"{name[:4]}.profile"] == CYCLOID
+    }
     return Scene(seed, params, intervals, classify(params, intervals[0].f_ext[0]))
 
 
@@ -131,7 +139,7 @@ def _draw_friction(rng: Rng, force: float) -> Params:
     return p
 
 
-def _coulomb(params: Params) -> Params:
+def _coulomb() -> Params:
     """The same friction without its dependence on speed and load."""
     fixed = {"peak": 1.0, "viscous": 0.0, "load_exponent": 0.0}
     return {f"cam{i}.friction_{name}": value for i in (1, 2) for name, value in fixed.items()}
@@ -145,6 +153,18 @@ def _draw_masses(rng: Rng, regime: str) -> Params:
         "inertia.shaft": shaft,
         "inertia.follower_mass": sometimes(rng, 0.4, min(log_uniform(rng, 0.01, 2.0), 2e4 * shaft)),
         "inertia.follower": sometimes(rng, 0.3, shaft * log_uniform(rng, 0.01, 1.0)),
+    }
+
+
+def _locked(rng: Rng) -> Params:
+    """A flat groove with much friction, and a follower that outweighs the shaft: often self-locking."""
+    i, shaft = int(rng.integers(1, 3)), log_uniform(rng, 1e-6, 1e-3)
+    return {
+        f"cam{i}.profile": HELIX,
+        f"cam{i}.lead_angle": math.radians(rng.uniform(5.0, 20.0)),
+        f"cam{i}.friction": rng.uniform(0.2, 0.4),
+        "inertia.shaft": shaft,
+        "inertia.follower_mass": min(shaft * log_uniform(rng, 1e3, 1e6), 2.0),
     }
 
 
@@ -186,7 +206,10 @@ def _draw_inputs(rng: Rng, force: float, torque: float, period: float, steady: b
             "ramp": (level + swing * rate * clock / 6, swing * rate / 6),
             "sine": (level + swing * math.sin(rate * clock),),
             "jumps": (torque * rng.choice([rng.uniform(-0.5, 0.2), rng.uniform(0.0, 1.5)]),),
-            "cubic": (torque * rng.uniform(-0.3, 1.0), *(torque * rng.uniform(-2, 2) / h**k for k in (1, 2, 3))),
+            "cubic": (
+                torque * rng.uniform(-0.3, 1.0),
+                *(torque * rng.uniform(-2, 2) / h**k for k in (1, 2, 3)),
+            ),
         }[kind]
         changing = not steady and kind in ("ramp", "cubic") and rng.random() < 0.3
         f_ext = (pull, force * rng.uniform(-0.5, 0.5) / h) if changing else (pull,)
@@ -204,6 +227,7 @@ def draw_far(seed: int) -> tuple[Params, list[Interval]]:
     for name in rng.choice(continuous, int(rng.integers(1, 8)), replace=False):
         params[name] = float(rng.choice([0.0, -1.0, 1.0, 1e-3, 1.0])) * log_uniform(rng, 1e-9, 1e9)
     for i in (1, 2):
+        params[f"cam{i}.profile"] = min(params[f"cam{i}.profile"], ELLIPSE)
         if rng.random() < 0.4:
             params[f"cam{i}.friction"] = log_uniform(rng, 0.3, 30.0)
     intervals = [
