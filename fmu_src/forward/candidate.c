@@ -68,11 +68,13 @@ static Candidate closed_form_candidate(const Mechanism *m, const LinearSlipMode 
     const LinearMotion now = linear_slip_motion_at_start(linear, &start);
     const double tie = stick_tie(m) * stick_torque_size(m, linear->transfer.rho);
     const bool inertial = linear->regime == REGIME_INERTIAL, rate_independent = linear->regime == REGIME_RATE_INDEPENDENT;
+    const double net = linear_slip_net_torque(linear, &start);
+    const double free = inertial ? net - linear->damping * start.omega : net; /* start.alpha keeps to the direction */
     Candidate c = {
         .possible = true,
         .regime = linear->regime,
-        .motion = inertial ? start.alpha : start.omega,
-        .net = linear_slip_net_torque(linear, &start),
+        .motion = rate_independent ? start.omega : free / (inertial ? linear->mass : linear->damping),
+        .net = net,
         .rounding = rate_independent ? tie : tie / (inertial ? linear->mass : linear->damping),
         .stiffness = linear->stiffness,
         .axial = {linear->transfer.axial[0], linear->transfer.axial[1]},
