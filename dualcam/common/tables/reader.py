@@ -1,0 +1,262 @@
+"""Tables from files: columns by quantity in SI units, and columns by name."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from dualcam.common.tables.fmu_format import is_fmu_text
+from dualcam.common.tables.header import (
+    Column,
+    Header,
+    columns_of,
+    find_header,
+    without_separator_line,
+    words_above_numbers,
+)
+from dualcam.common.tables.kinds import TableError, TableKind
+from dualcam.common.tables.rows import (
+    Array,
+    cells_of,
+    has_decimal_comma,
+    name_of,
+    numbers_of,
+    refuse_faults,
+    separator_of,
+)
+from dualcam.common.tables.text import Line, decoded_text, lines_of
+from dualcam.common.tables.units import UNITS, in_unit
+from dualcam.unit_guards import unit_warning
+
+NAME_AND_UNIT = re.compile(r"(\S.*?)\s+[\[(]\s*([^\])]+?)\s*[\])]")  # der(x) and x[1] have no unit
+Converter = Callable[[str, str, Array], Array]  # name, unit, values in the unit -> values
+
+
+@dataclass(frozen=True, eq=False)
+class HumanTable:
+    """The columns of a file, and how the file was understood.
+
+    Attributes
+    ----------
+    columns : mapping of str to ndarray, shape (n,)
+        By quantity, in SI units.
+    lines : ndarray of int, shape (n,)
+        Numbers of the lines of the file, from 1.
+    heads, units : mapping of str to str
+        By quantity: the head of the column in the file, and its unit ("" for a name without unit).
+    notes : tuple of str
+        What was guessed, in words.
+    warnings : tuple of str
+        Values that look as if they were in another unit.
+    """
+
+    columns: Mapping[str, Array]
+    lines: np.ndarray
+    heads: Mapping[str, str]
+    units: Mapping[str, str]
+    notes: tuple[str, ...]
+    warnings: tuple[str, ...]
+    _text: str
+    _is_utf8: bool
+
+    def is_for_the_fmu(self, headers: Collection[str]) -> bool:
+        """Whether the FMU can read the file as it is, with one of its headers."""
+        return self._is_utf8 and is_fmu_text(self._text, headers)
+
+
+def read_table(
+    path: Path, kind: TableKind, separator: str | None = None, decimal: str | None = None
+) -> HumanTable:
+    """The columns of a table in a file.
+
+    Parameters
+    ----------
+    path : Path
+        The file; docs/tables.md says what it may look like.
+    kind : TableKind
+        What the columns are.
+    separator, decimal : str, optional
+        Between columns, and decimal sign; None: guessed.
+
+    Returns
+    -------
+    HumanTable
+
+    Raises
+    ------
+    DualcamError
+        The kind's own error: with the file, and the line and column where something is wrong.
+    """
+    try:
+        text, is_utf8 = decoded_text(path, kind.what)
+    except TableError as error:
+        raise kind.error(str(error)) from None
+    try:
+        return _understood(text, is_utf8, kind, separator, decimal)
+    except TableError as error:
+        raise kind.error(f"{path}: {error}") from None
+
+
+def _understood(
+    text: str, is_utf8: bool, kind: TableKind, separator: str | None, decimal: str | None
+) -> HumanTable:
+    lines, comments, separator = _lines(text, separator, kind.example)
+    header = find_header(lines, comments, kind, separator)
+    columns, rows = columns_of(header, kind), lines[header.first :]
+    if not kind.least <= len(rows) <= (kind.most or len(rows)):
+        allowed = f"{kind.least} or more" if len(rows) < kind.least else f"up to {kind.most:,}"
+        raise TableError(f"{len(rows):,} lines of numbers below the header: allowed are {allowed}")
+    places = {name: column.place for name, column in columns.items()}
+    numbers, sign, comma = _numbers(rows, header, places.values(), separator, decimal)
+    in_file = {name: numbers[place] for name, place in places.items()}
+    _check_order(rows, in_file, columns, kind)
+    return HumanTable(
+        {name: in_unit(values, columns[name].factor) for name, values in in_file.items()},
+        np.array([row.number for row in rows]),
+        {name: header.heads[place] for name, place in places.items()},
+        {name: column.unit for name, column in columns.items()},
+        _notes(lines, header, None if separator else sign, comma and decimal is None),
+        tuple(_unit_warnings(in_file, columns, kind)),
+        text,
+        is_utf8,
+    )
+
+
+def read_columns(
+    path: Path, what: str, texts: Collection[str] = (), converted: Converter | None = None
+) -> dict[str, Array | list[str]]:
+    """All columns of a table in a file, by the names in its header.
+
+    Parameters
+    ----------
+    path : Path
+        The file, called `what` in messages.
+    texts : collection of str
+        Names of columns with texts.
+    converted : function, optional
+        For columns with a unit in brackets, as `radius [mm]`, or in a row of units: takes name, unit and
+        values. None: units are refused.
+
+    Returns
+    -------
+    dict of str to ndarray or list of str, shape (n,)
+
+    Raises
+    ------
+    TableError
+        With the file, and the line and column where something is wrong.
+    """
+    text, _ = decoded_text(path, what)
+    try:
+        return _named_columns(text, texts, converted)
+    except TableError as error:
+        raise TableError(f"{path}: {error}") from None
+
+
+def _named_columns(
+    text: str, texts: Collection[str], converted: Converter | None
+) -> dict[str, Array | list[str]]:
+    lines, comments, separator = _lines(text, None, "spring.preload,cam1.friction")
+    header = words_above_numbers(lines, comments, separator)
+    if header is None:
+        raise TableError("there is no header: add a first line with the names of the columns")
+    matches = [NAME_AND_UNIT.fullmatch(head) for head in header.heads]
+    names = [match[1] if match else head for match, head in zip(matches, header.heads, strict=True)]
+    if twice := {name for name in names if names.count(name) > 1}:
+        raise TableError(f"two columns {', '.join(sorted(twice))}: allowed is one")
+    rows = lines[header.first :]
+    places = [place for place, name in enumerate(names) if name not in texts]
+    sign = separator or separator_of(rows, len(names), places, header.separator)
+    cells = cells_of(rows, len(names), sign, None)
+    numbers, _, _ = _numbers(rows, header, places, sign, None)
+    found: dict[str, Array | list[str]] = {}
+    for place, (name, match) in enumerate(zip(names, matches, strict=True)):
+        if name in texts:
+            found[name] = [row[place].strip() if place < len(row) else "" for row in cells]
+        elif match is None:
+            found[name] = numbers[place]
+        elif converted is None:
+            raise TableError(f"column {match[0]!r}: allowed are values in the FMU's units, without unit")
+        else:
+            found[name] = converted(name, match[2], numbers[place])
+    return found
+
+
+# ---- what both share ----
+
+
+def _lines(
+    text: str, separator: str | None, example: str
+) -> tuple[Sequence[Line], Sequence[Line], str | None]:
+    """Lines with content, comments, and the separator that is given or that a first line gives."""
+    lines, comments = lines_of(text)
+    written, left = without_separator_line(lines)
+    if not left and not comments:
+        raise TableError(f"the file is empty: line 1 must be a header such as {example}")
+    return left, comments, separator or written
+
+
+def _numbers(
+    rows: Sequence[Line],
+    header: Header,
+    places: Collection[int],
+    separator: str | None,
+    decimal: str | None,
+) -> tuple[dict[int, Array], str, bool]:
+    """Numbers by place of the column, the separator, and whether the decimal sign is a comma."""
+    width = len(header.heads)
+    sign = separator or separator_of(rows, width, places, header.separator)
+    rows_of_cells = cells_of(rows, width, sign, decimal)
+    if min(map(len, rows_of_cells), default=width) < width:
+        rows_of_cells = [row + [""] * (width - len(row)) for row in rows_of_cells]
+    cells = {place: [row[place] for row in rows_of_cells] for place in places}
+    comma = has_decimal_comma(cells.values(), sign) if decimal is None else decimal == ","
+    numbers = {place: numbers_of(column, comma) for place, column in cells.items()}
+    refuse_faults(rows, header.heads, {place: (cells[place], numbers[place]) for place in places}, comma)
+    return numbers, sign, comma
+
+
+def _check_order(
+    rows: Sequence[Line], values: Mapping[str, Array], columns: Mapping[str, Column], kind: TableKind
+) -> None:
+    for name, column in values.items():
+        order = kind.quantities[name].order
+        steps = np.diff(column)
+        bad = steps <= 0.0 if order == "rises" else steps < 0.0
+        if not order or not bad.any():
+            continue
+        k, unit = int(np.argmax(bad)), columns[name].unit
+        allowed = "more than" if order == "rises" else "at least"
+        raise TableError(
+            f"line {rows[k + 1].number}, column {columns[name].place + 1}: {name} = {column[k + 1]:.9g} {unit}:"
+            f" allowed is {allowed} {column[k]:.9g} {unit}, the value of line {rows[k].number}. Sort the lines,"
+            " and leave out repeated ones"
+        )
+
+
+def _notes(lines: Sequence[Line], header: Header, guessed: str | None, comma: bool) -> tuple[str, ...]:
+    notes = []
+    if skipped := [line.number for line in lines if line.number < header.line.number]:
+        notes.append(f"lines {skipped[0]} to {skipped[-1]} above the header were left out")
+    if guessed not in (None, ","):
+        notes.append(f"columns are separated by {name_of(guessed)}")
+    if comma:
+        notes.append("the decimal sign is a comma")
+    return tuple(notes)
+
+
+def _unit_warnings(
+    values: Mapping[str, Array], columns: Mapping[str, Column], kind: TableKind
+) -> Sequence[str]:
+    """Warnings of columns in SI units with values that look as if they were in another unit."""
+    found = []
+    for name, column in values.items():
+        quantity = kind.quantities[name]
+        if columns[name].unit in ("", next(iter(UNITS[quantity.kind]))):
+            farthest = float(column[np.argmax(np.abs(column))])
+            found.append(unit_warning(quantity.rule, farthest, name))
+    return [text for text in found if text]
