@@ -196,10 +196,10 @@ class DesignFile:
 
     def _static_friction(self, number: int) -> float:
         """mu at rest and in slow motion."""
-        from dualcam.design_file.friction_tables import static_friction
+        from dualcam.design_file.friction_tables import read_friction_table
 
         if table := self.value(f"cam{number}.friction_table"):
-            return static_friction(Path(table))
+            return read_friction_table(Path(table)).static
         return self.value(f"cam{number}.friction") * self.value(f"cam{number}.friction_peak")
 
     def _named_groove(self, number: int) -> Groove:

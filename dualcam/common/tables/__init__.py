@@ -10,13 +10,14 @@ fmu_text, is_fmu_text   the one format that the FMU reads
 
 from dualcam.common.tables.fmu_format import FRICTION_HEADERS, GROOVE_HEADER, fmu_text, is_fmu_text
 from dualcam.common.tables.kinds import Quantity, TableError, TableKind
-from dualcam.common.tables.reader import HumanTable, read_columns, read_table
+from dualcam.common.tables.reader import Converter, HumanTable, read_columns, read_table
 from dualcam.common.tables.units import UNITS, in_unit
 
 __all__ = [
     "FRICTION_HEADERS",
     "GROOVE_HEADER",
     "UNITS",
+    "Converter",
     "HumanTable",
     "Quantity",
     "TableError",

@@ -5,16 +5,17 @@ from __future__ import annotations
 import re
 from collections.abc import Collection
 
-from numpy.typing import NDArray
+import numpy as np
+from numpy.typing import ArrayLike
 
 GROOVE_HEADER = "psi_rad,z_m"
 FRICTION_HEADERS = ("v_m_s,mu", "v_m_s,R_N,mu")
 PLAIN = r"[ \t\r]*[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?[ \t\r]*"
 
 
-def fmu_text(header: str, *columns: NDArray) -> str:
-    """The text of a table for the FMU, with all digits. `columns`: arrays of shape (n,) in SI units."""
-    rows = zip(*(column.tolist() for column in columns), strict=True)
+def fmu_text(header: str, *columns: ArrayLike) -> str:
+    """The text of a table for the FMU, with all digits. `columns`: of shape (n,), in SI units."""
+    rows = zip(*(np.asarray(column, dtype=float).tolist() for column in columns), strict=True)
     return "".join([f"{header}\n", *(f"{','.join(map(repr, row))}\n" for row in rows)])
 
 

@@ -59,16 +59,16 @@ def find_header(
             continue
         if not _has_rows_above(header, lines, columns):
             return header
-    header = words_above_numbers(lines, comments, separator)
-    if header is None:
+    words = words_above_numbers(lines, comments, separator)
+    if words is None:
         if set(kind.units) == set(kind.quantities):
             return Header(lines[0], list(kind.quantities), separator or ",", 0)
         raise TableError(
             f"there is no header, so the columns and their units are not known: add a first line such as"
             f" {kind.example}"
         )
-    columns_of(header, kind)
-    raise TableError(f"line {header.line.number}: there are rows above the header: write one table in a file")
+    columns_of(words, kind)
+    raise TableError(f"line {words.line.number}: there are rows above the header: write one table in a file")
 
 
 def _candidates(
@@ -159,8 +159,8 @@ def columns_of(header: Header, kind: TableKind) -> dict[str, Column]:
         if len(columns) > 1:
             both = " and ".join(repr(header.heads[column.place]) for column in columns)
             raise TableError(
-                f"line {header.line.number}: the columns {both} are both {name}: allowed is one. Leave out the"
-                " others, or rename them"
+                f"line {header.line.number}: the columns {both} are both {name}: allowed is one. Leave out or"
+                " rename the others"
             )
         if columns:
             found[name] = columns[0]
@@ -194,7 +194,8 @@ def _column(place: int, head: Head, name: str, kind: TableKind) -> Column | None
 
 def _of_kind(heads: Sequence[Head], quantity: Quantity, kind: TableKind) -> list[Column]:
     """Columns with a unit of the quantity's kind, without the name of another quantity."""
-    names = {word for other in kind.quantities.values() if other.kind == quantity.kind for word in other.words}
+    alike = (other for other in kind.quantities.values() if other.kind == quantity.kind)
+    names = {word for other in alike for word in other.words}
     return [
         Column(place, head.unit, UNITS[quantity.kind][head.unit])
         for place, head in enumerate(heads)
@@ -207,7 +208,8 @@ def _what_lacks(header: Header, heads: Sequence[Head], lacking: Sequence[str], k
     for name in lacking:
         words = kind.quantities[name].words
         named = [place for place, head in enumerate(heads) if head.name in words]
-        reasons += [_what_is_wrong(header.heads[k], heads[k], name) for k in named] or [f"no column of {name}"]
+        wrong = [_what_is_wrong(header.heads[place], heads[place], name) for place in named]
+        reasons += wrong or [f"no column of {name}"]
     reasons += [
         f"column {text!r}: unit {head.written!r} is not known"
         for text, head in zip(header.heads, heads, strict=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import warnings
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -30,6 +31,7 @@ from dualcam.common.tables.rows import (
 )
 from dualcam.common.tables.text import Line, decoded_text, lines_of
 from dualcam.common.tables.units import UNITS, in_unit
+from dualcam.errors import UnitWarning
 from dualcam.unit_guards import unit_warning
 
 NAME_AND_UNIT = re.compile(r"(\S.*?)\s+[\[(]\s*([^\])]+?)\s*[\])]")  # der(x) and x[1] have no unit
@@ -111,7 +113,8 @@ def _understood(
         allowed = f"{kind.least} or more" if len(rows) < kind.least else f"up to {kind.most:,}"
         raise TableError(f"{len(rows):,} lines of numbers below the header: allowed are {allowed}")
     places = {name: column.place for name, column in columns.items()}
-    numbers, sign, comma = _numbers(rows, header, places.values(), separator, decimal)
+    cells, sign = _cells(rows, header, places.values(), separator, decimal)
+    numbers, comma = _numbers(rows, header, cells, places.values(), sign, decimal)
     in_file = {name: numbers[place] for name, place in places.items()}
     _check_order(rows, in_file, columns, kind)
     return HumanTable(
@@ -149,6 +152,11 @@ def read_columns(
     ------
     TableError
         With the file, and the line and column where something is wrong.
+
+    Warns
+    -----
+    UnitWarning
+        Parameters of the mechanism, without unit, that look as if they were in another unit.
     """
     text, _ = decoded_text(path, what)
     try:
@@ -170,20 +178,25 @@ def _named_columns(
         raise TableError(f"two columns {', '.join(sorted(twice))}: allowed is one")
     rows = lines[header.first :]
     places = [place for place, name in enumerate(names) if name not in texts]
-    sign = separator or separator_of(rows, len(names), places, header.separator)
-    cells = cells_of(rows, len(names), sign, None)
-    numbers, _, _ = _numbers(rows, header, places, sign, None)
+    cells, sign = _cells(rows, header, places, separator, None)
+    numbers, _ = _numbers(rows, header, cells, places, sign, None)
     found: dict[str, Array | list[str]] = {}
     for place, (name, match) in enumerate(zip(names, matches, strict=True)):
         if name in texts:
-            found[name] = [row[place].strip() if place < len(row) else "" for row in cells]
+            found[name] = [row[place].strip() for row in cells]
         elif match is None:
             found[name] = numbers[place]
+            _warn_of_unit(name, numbers[place])
         elif converted is None:
             raise TableError(f"column {match[0]!r}: allowed are values in the FMU's units, without unit")
         else:
             found[name] = converted(name, match[2], numbers[place])
     return found
+
+
+def _warn_of_unit(name: str, values: Array) -> None:
+    if len(values) and (text := unit_warning(name, _farthest(values))):
+        warnings.warn(UnitWarning(text), stacklevel=2)
 
 
 # ---- what both share ----
@@ -200,24 +213,36 @@ def _lines(
     return left, comments, separator or written
 
 
-def _numbers(
+def _cells(
     rows: Sequence[Line],
     header: Header,
     places: Collection[int],
     separator: str | None,
     decimal: str | None,
-) -> tuple[dict[int, Array], str, bool]:
-    """Numbers by place of the column, the separator, and whether the decimal sign is a comma."""
+) -> tuple[list[list[str]], str]:
+    """The cells of each row, one for each column, and the separator. `places`: the columns of numbers."""
     width = len(header.heads)
     sign = separator or separator_of(rows, width, places, header.separator)
-    rows_of_cells = cells_of(rows, width, sign, decimal)
-    if min(map(len, rows_of_cells), default=width) < width:
-        rows_of_cells = [row + [""] * (width - len(row)) for row in rows_of_cells]
-    cells = {place: [row[place] for row in rows_of_cells] for place in places}
-    comma = has_decimal_comma(cells.values(), sign) if decimal is None else decimal == ","
-    numbers = {place: numbers_of(column, comma) for place, column in cells.items()}
-    refuse_faults(rows, header.heads, {place: (cells[place], numbers[place]) for place in places}, comma)
-    return numbers, sign, comma
+    cells = cells_of(rows, width, sign, decimal)
+    if min(map(len, cells), default=width) < width:
+        cells = [row + [""] * (width - len(row)) for row in cells]
+    return cells, sign
+
+
+def _numbers(
+    rows: Sequence[Line],
+    header: Header,
+    cells: Sequence[Sequence[str]],
+    places: Collection[int],
+    separator: str,
+    decimal: str | None,
+) -> tuple[dict[int, Array], bool]:
+    """Numbers by place of the column, and whether the decimal sign is a comma."""
+    columns = {place: [row[place] for row in cells] for place in places}
+    comma = has_decimal_comma(columns.values(), separator) if decimal is None else decimal == ","
+    numbers = {place: numbers_of(column, comma) for place, column in columns.items()}
+    refuse_faults(rows, header.heads, {place: (columns[place], numbers[place]) for place in places}, comma)
+    return numbers, comma
 
 
 def _check_order(
@@ -230,11 +255,12 @@ def _check_order(
         if not order or not bad.any():
             continue
         k, unit = int(np.argmax(bad)), columns[name].unit
+        before, value = (f"{number:.9g} {unit}".strip() for number in column[k : k + 2])
         allowed = "more than" if order == "rises" else "at least"
         raise TableError(
-            f"line {rows[k + 1].number}, column {columns[name].place + 1}: {name} = {column[k + 1]:.9g} {unit}:"
-            f" allowed is {allowed} {column[k]:.9g} {unit}, the value of line {rows[k].number}. Sort the lines,"
-            " and leave out repeated ones"
+            f"line {rows[k + 1].number}, column {columns[name].place + 1}: {name} = {value}: allowed is"
+            f" {allowed} {before}, the value of line {rows[k].number}. Sort the lines, and leave out repeated"
+            " ones"
         )
 
 
@@ -257,6 +283,9 @@ def _unit_warnings(
     for name, column in values.items():
         quantity = kind.quantities[name]
         if columns[name].unit in ("", next(iter(UNITS[quantity.kind]))):
-            farthest = float(column[np.argmax(np.abs(column))])
-            found.append(unit_warning(quantity.rule, farthest, name))
+            found.append(unit_warning(quantity.rule, _farthest(column), name))
     return [text for text in found if text]
+
+
+def _farthest(values: Array) -> float:
+    return float(values[np.argmax(np.abs(values))])

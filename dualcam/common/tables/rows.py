@@ -6,6 +6,7 @@ import csv
 import math
 import re
 from collections.abc import Iterable, Sequence
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -67,10 +68,11 @@ def cells_of(rows: Sequence[Line], width: int, separator: str, decimal: str | No
     if separator == "," and decimal != "." and not any("." in row.text for row in rows):
         return [_joined(row, width) for row in rows]
     row = rows[long[0]]
-    hint = ". Is the decimal sign a comma? Then put semicolons between the columns" if separator == "," else ""
+    hint = ". Is the decimal sign a comma? Then put semicolons between the columns"
     raise TableError(
         f"line {row.number}, {row.text[:LONGEST]!r}: {len(cells[long[0]])} values between"
-        f" {name_of(separator)}, {width} columns in the header: allowed is one value for each column{hint}"
+        f" {name_of(separator)}, {width} columns in the header: allowed is one value for each column"
+        + (hint if separator == "," else "")
     )
 
 
@@ -86,7 +88,7 @@ def _joined(row: Line, width: int) -> list[str]:
 
     TableError where there is no way, or more than one, to make `width` cells."""
     parts = _without_empty_end(row.text.split(","), 2 * width)
-    joins = [bool(WHOLE_PART.fullmatch(a) and DECIMALS.fullmatch(b)) for a, b in zip(parts, parts[1:], strict=False)]
+    joins = [bool(WHOLE_PART.fullmatch(a) and DECIMALS.fullmatch(b)) for a, b in pairwise(parts)]
     # ways[k][n]: in how many ways the parts from k on make n cells
     ways = [[0] * (width + 1) for _ in range(len(parts) + 2)]
     ways[len(parts)][0] = 1
@@ -96,8 +98,8 @@ def _joined(row: Line, width: int) -> list[str]:
             ways[k][n] = ways[k + 1][n - 1] + (ways[k + 2][n - 1] if joins_here else 0)
     if ways[0][width] != 1:
         raise TableError(
-            f"line {row.number}, {row.text[:LONGEST]!r}: {len(parts)} values between commas, {width} columns in"
-            " the header: the comma seems to be separator and decimal sign, and this line can be read in"
+            f"line {row.number}, {row.text[:LONGEST]!r}: {len(parts)} values between commas, {width} columns"
+            " in the header: the comma seems to be separator and decimal sign, and this line can be read in"
             f" {ways[0][width] or 'no'} ways. Put semicolons between the columns, or write decimal points"
         )
     cells, k = [], 0
@@ -154,7 +156,8 @@ def refuse_faults(
         return
     count = sum(int((~np.isfinite(values)).sum()) for _, values in columns.values())
     shown = [
-        f"line {rows[k].number}, column {place + 1} ({heads[place]}): {repr(cell[:40]) if cell else 'no value'}"
+        f"line {rows[k].number}, column {place + 1} ({heads[place]}): "
+        + (repr(cell[:LONGEST]) if cell else "no value")
         for k, place, cell in sorted(faults)[:MOST_LISTED]
     ]
     more = f" and {count - MOST_LISTED} more" if count > MOST_LISTED else ""
