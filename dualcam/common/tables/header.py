@@ -5,11 +5,12 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import islice
 from typing import NamedTuple
 
 from dualcam.common.tables.kinds import Quantity, TableError, TableKind
 from dualcam.common.tables.rows import SEPARATORS, is_number, split
-from dualcam.common.tables.text import Line
+from dualcam.common.tables.text import Line, Lines
 from dualcam.common.tables.units import KINDS, UNITS, Head, head_of, known_unit
 
 FIRST_LINES = 200  # among which the header is
@@ -37,17 +38,17 @@ class Column(NamedTuple):
     factor: float  # to the SI unit
 
 
-def without_separator_line(lines: Sequence[Line]) -> tuple[str | None, Sequence[Line]]:
+def without_separator_line(lines: Lines) -> tuple[str | None, Lines]:
     """The separator that a first line `sep=;` gives, and the other lines."""
     found = SEPARATOR_LINE.fullmatch(lines[0].text) if lines else None
-    return (found[1], lines[1:]) if found else (None, lines)
+    return (found[1], lines.since(1)) if found else (None, lines)
 
 
 # ---- the line ----
 
 
 def find_header(
-    lines: Sequence[Line], comments: Sequence[Line], kind: TableKind, separator: str | None
+    lines: Lines, comments: Lines, kind: TableKind, separator: str | None
 ) -> Header:
     """The first line that names all needed columns, which may be a comment above all rows.
 
@@ -72,17 +73,20 @@ def find_header(
 
 
 def _candidates(
-    lines: Sequence[Line], comments: Sequence[Line], separator: str | None
+    lines: Lines, comments: Lines, separator: str | None
 ) -> Iterator[Header]:
-    for k, line in enumerate(lines[:FIRST_LINES]):
+    for k, line in enumerate(islice(lines, FIRST_LINES)):
         if re.search(r"[^\W\d]|°", line.text):
             yield from _headers(lines, line, k + 1, separator)
-    for line in comments:
-        if not lines or line.number < lines[0].number:
-            yield from _headers(lines, line, 0, separator)
+    for line in _comments_above(lines, comments):
+        yield from _headers(lines, line, 0, separator)
 
 
-def _headers(lines: Sequence[Line], line: Line, first: int, separator: str | None) -> Iterator[Header]:
+def _comments_above(lines: Lines, comments: Lines) -> list[Line]:
+    return comments.above(lines[0].number) if len(lines) else list(comments)
+
+
+def _headers(lines: Lines, line: Line, first: int, separator: str | None) -> Iterator[Header]:
     for text in dict.fromkeys((line.text, COMMENT_OF_HEADER.sub("", line.text))):
         for sign in [separator] if separator else SEPARATORS:
             heads = _heads(text, sign)
@@ -110,10 +114,9 @@ def _are_units(cells: Sequence[str]) -> bool:
     return any(cell not in ("1", "-") for cell in units) and all(cell in units or not cell for cell in cells)
 
 
-def _has_rows_above(header: Header, lines: Sequence[Line], columns: Mapping[str, Column]) -> bool:
+def _has_rows_above(header: Header, lines: Lines, columns: Mapping[str, Column]) -> bool:
     """Whether there are numbers in the columns above the header, as in a file of two tables."""
-    above = [line for line in lines if line.number < header.line.number]
-    rows = [split(line.text, header.separator) for line in above]
+    rows = [split(line.text, header.separator) for line in lines.above(header.line.number)]
     return any(
         len(row) == len(header.heads) and all(is_number(row[column.place]) for column in columns.values())
         for row in rows
@@ -121,14 +124,14 @@ def _has_rows_above(header: Header, lines: Sequence[Line], columns: Mapping[str,
 
 
 def words_above_numbers(
-    lines: Sequence[Line], comments: Sequence[Line], separator: str | None
+    lines: Lines, comments: Lines, separator: str | None
 ) -> Header | None:
     """The line above the first line of numbers, or the first line where none has numbers. None: no words
     are above the numbers."""
-    rows = (k for k, line in enumerate(lines[:FIRST_LINES]) if _has_numbers(line.text))
+    rows = (k for k, line in enumerate(islice(lines, FIRST_LINES)) if _has_numbers(line.text))
     first = next(rows, 1)
     if first == 0:
-        above = [line for line in comments if line.number < lines[0].number]
+        above = _comments_above(lines, comments)
         return _widest(_headers(lines, above[-1], 0, separator)) if above else None
     found = _widest(_headers(lines, lines[first - 1], first, separator))
     with_units = _widest(_headers(lines, lines[first - 2], first - 1, separator)) if first > 1 else found

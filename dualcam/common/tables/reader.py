@@ -29,7 +29,7 @@ from dualcam.common.tables.rows import (
     refuse_faults,
     separator_of,
 )
-from dualcam.common.tables.text import Line, decoded_text, lines_of
+from dualcam.common.tables.text import Lines, decoded_text, lines_of
 from dualcam.common.tables.units import UNITS, in_unit
 from dualcam.errors import UnitWarning
 from dualcam.unit_guards import unit_warning
@@ -108,7 +108,7 @@ def _understood(
 ) -> HumanTable:
     lines, comments, separator = _lines(text, separator, kind.example)
     header = find_header(lines, comments, kind, separator)
-    columns, rows = columns_of(header, kind), lines[header.first :]
+    columns, rows = columns_of(header, kind), lines.since(header.first)
     if not kind.least <= len(rows) <= (kind.most or len(rows)):
         allowed = f"{kind.least} or more" if len(rows) < kind.least else f"up to {kind.most:,}"
         raise TableError(f"{len(rows):,} lines of numbers below the header: allowed are {allowed}")
@@ -119,7 +119,7 @@ def _understood(
     _check_order(rows, in_file, columns, kind)
     return HumanTable(
         {name: in_unit(values, columns[name].factor) for name, values in in_file.items()},
-        np.array([row.number for row in rows]),
+        np.array(rows.numbers),
         {name: header.heads[place] for name, place in places.items()},
         {name: column.unit for name, column in columns.items()},
         _notes(lines, header, None if separator else sign, comma and decimal is None),
@@ -176,14 +176,14 @@ def _named_columns(
     names = [match[1] if match else head for match, head in zip(matches, header.heads, strict=True)]
     if twice := {name for name in names if names.count(name) > 1}:
         raise TableError(f"two columns {', '.join(sorted(twice))}: allowed is one")
-    rows = lines[header.first :]
+    rows = lines.since(header.first)
     places = [place for place, name in enumerate(names) if name not in texts]
     cells, sign = _cells(rows, header, places, separator, None)
     numbers, _ = _numbers(rows, header, cells, places, sign, None)
     found: dict[str, Array | list[str]] = {}
     for place, (name, match) in enumerate(zip(names, matches, strict=True)):
         if name in texts:
-            found[name] = [row[place].strip() for row in cells]
+            found[name] = [cell.strip() for cell in cells[place :: len(names)]]
         elif match is None:
             found[name] = numbers[place]
             _warn_of_unit(name, numbers[place])
@@ -204,41 +204,38 @@ def _warn_of_unit(name: str, values: Array) -> None:
 
 def _lines(
     text: str, separator: str | None, example: str
-) -> tuple[Sequence[Line], Sequence[Line], str | None]:
+) -> tuple[Lines, Lines, str | None]:
     """Lines with content, comments, and the separator that is given or that a first line gives."""
     lines, comments = lines_of(text)
     written, left = without_separator_line(lines)
-    if not left and not comments:
+    if not len(left) and not len(comments):
         raise TableError(f"the file is empty: line 1 must be a header such as {example}")
     return left, comments, separator or written
 
 
 def _cells(
-    rows: Sequence[Line],
+    rows: Lines,
     header: Header,
     places: Collection[int],
     separator: str | None,
     decimal: str | None,
-) -> tuple[list[list[str]], str]:
-    """The cells of each row, one for each column, and the separator. `places`: the columns of numbers."""
+) -> tuple[list[str], str]:
+    """The cells, row after row, and the separator. `places`: the columns of numbers."""
     width = len(header.heads)
     sign = separator or separator_of(rows, width, places, header.separator)
-    cells = cells_of(rows, width, sign, decimal)
-    if min(map(len, cells), default=width) < width:
-        cells = [row + [""] * (width - len(row)) for row in cells]
-    return cells, sign
+    return cells_of(rows, width, sign, decimal), sign
 
 
 def _numbers(
-    rows: Sequence[Line],
+    rows: Lines,
     header: Header,
-    cells: Sequence[Sequence[str]],
+    cells: Sequence[str],
     places: Collection[int],
     separator: str,
     decimal: str | None,
 ) -> tuple[dict[int, Array], bool]:
     """Numbers by place of the column, and whether the decimal sign is a comma."""
-    columns = {place: [row[place] for row in cells] for place in places}
+    columns = {place: cells[place :: len(header.heads)] for place in places}
     comma = has_decimal_comma(columns.values(), separator) if decimal is None else decimal == ","
     numbers = {place: numbers_of(column, comma) for place, column in columns.items()}
     refuse_faults(rows, header.heads, {place: (columns[place], numbers[place]) for place in places}, comma)
@@ -246,7 +243,7 @@ def _numbers(
 
 
 def _check_order(
-    rows: Sequence[Line], values: Mapping[str, Array], columns: Mapping[str, Column], kind: TableKind
+    rows: Lines, values: Mapping[str, Array], columns: Mapping[str, Column], kind: TableKind
 ) -> None:
     for name, column in values.items():
         order = kind.quantities[name].order
@@ -258,16 +255,16 @@ def _check_order(
         before, value = (f"{number:.9g} {unit}".strip() for number in column[k : k + 2])
         allowed = "more than" if order == "rises" else "at least"
         raise TableError(
-            f"line {rows[k + 1].number}, column {columns[name].place + 1}: {name} = {value}: allowed is"
-            f" {allowed} {before}, the value of line {rows[k].number}. Sort the lines, and leave out repeated"
-            " ones"
+            f"line {rows.numbers[k + 1]}, column {columns[name].place + 1}: {name} = {value}: allowed is"
+            f" {allowed} {before}, the value of line {rows.numbers[k]}. Sort the lines, and leave out"
+            " repeated ones"
         )
 
 
-def _notes(lines: Sequence[Line], header: Header, guessed: str | None, comma: bool) -> tuple[str, ...]:
+def _notes(lines: Lines, header: Header, guessed: str | None, comma: bool) -> tuple[str, ...]:
     notes = []
-    if skipped := [line.number for line in lines if line.number < header.line.number]:
-        notes.append(f"lines {skipped[0]} to {skipped[-1]} above the header were left out")
+    if above := lines.above(header.line.number):
+        notes.append(f"lines {above[0].number} to {above[-1].number} above the header were left out")
     if guessed not in (None, ","):
         notes.append(f"columns are separated by {name_of(guessed)}")
     if comma:

@@ -7,12 +7,13 @@ import math
 import re
 from collections.abc import Iterable, Sequence
 from itertools import pairwise
+from typing import NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dualcam.common.tables.kinds import TableError
-from dualcam.common.tables.text import Line
+from dualcam.common.tables.text import Line, Lines
 
 Array = NDArray[np.float64]
 
@@ -42,37 +43,43 @@ def is_number(cell: str) -> bool:
     return NUMBER.fullmatch(cell.strip("\"' \t")) is not None
 
 
-def separator_of(rows: Sequence[Line], width: int, places: Iterable[int], usual: str) -> str:
+def separator_of(rows: Lines, width: int, places: Iterable[int], usual: str) -> str:
     """The separator with which most of the first rows have `width` cells, and numbers at `places`.
 
     `usual`: that of the header, which is taken where no separator does."""
     places, order = tuple(places), [";", "\t", usual, ",", " "]
 
+    def is_good(cells: Sequence[str]) -> bool:
+        return len(cells) == width and all(is_number(cells[place]) for place in places)
+
     def good_rows(separator: str) -> int:
-        cells = (_without_empty_end(split(row.text, separator), width) for row in rows[:FIRST_ROWS])
-        return sum(len(row) == width and all(is_number(row[place]) for place in places) for row in cells)
+        first = (split(text, separator) for text in rows.texts[:FIRST_ROWS])
+        return sum(is_good(_without_empty_end(cells, width)) for cells in first)
 
     most = max(map(good_rows, order))
     return next(separator for separator in order if good_rows(separator) == most) if most else usual
 
 
-def cells_of(rows: Sequence[Line], width: int, separator: str, decimal: str | None) -> list[list[str]]:
-    """The cells of all rows, `width` or fewer in each. TableError for a row with more."""
-    cells = [split(row.text, separator) for row in rows]
-    long = [k for k, row in enumerate(cells) if len(row) > width]
-    for k in long:
-        cells[k] = _without_empty_end(cells[k], width)
-    long = [k for k in long if len(cells[k]) > width]
-    if not long:
-        return cells
-    if separator == "," and decimal != "." and not any("." in row.text for row in rows):
-        return [_joined(row, width) for row in rows]
-    row = rows[long[0]]
+def cells_of(rows: Lines, width: int, separator: str, decimal: str | None) -> list[str]:
+    """The cells of all rows, row after row, `width` in each. TableError for a row with more."""
+    joined = separator.join(rows.texts)
+    is_plain = separator != " " and '"' not in joined
+    if is_plain and {text.count(separator) for text in rows.texts} == {width - 1}:
+        return joined.split(separator)
+    cells = [_without_empty_end(split(text, separator), width) for text in rows.texts]
+    long = next((k for k, row in enumerate(cells) if len(row) > width), None)
+    if long is not None:
+        if separator != "," or decimal == "." or "." in joined:
+            _refuse_long(rows[long], len(cells[long]), width, separator)
+        cells = [_joined(row, width) for row in rows]
+    return [cell for row in cells for cell in (*row, *[""] * (width - len(row)))]
+
+
+def _refuse_long(row: Line, count: int, width: int, separator: str) -> NoReturn:
     hint = ". Is the decimal sign a comma? Then put semicolons between the columns"
     raise TableError(
-        f"line {row.number}, {row.text[:LONGEST]!r}: {len(cells[long[0]])} values between"
-        f" {name_of(separator)}, {width} columns in the header: allowed is one value for each column"
-        + (hint if separator == "," else "")
+        f"line {row.number}, {row.text[:LONGEST]!r}: {count} values between {name_of(separator)}, {width}"
+        f" columns in the header: allowed is one value for each column{hint if separator == ',' else ''}"
     )
 
 
@@ -144,7 +151,7 @@ def _number(cell: str, comma: bool) -> float:
 
 
 def refuse_faults(
-    rows: Sequence[Line], heads: Sequence[str], columns: dict[int, tuple[Sequence[str], Array]], comma: bool
+    rows: Lines, heads: Sequence[str], columns: dict[int, tuple[Sequence[str], Array]], comma: bool
 ) -> None:
     """TableError with the first cells that are no finite numbers. `columns`: cells and numbers by place."""
     faults = [
@@ -156,7 +163,7 @@ def refuse_faults(
         return
     count = sum(int((~np.isfinite(values)).sum()) for _, values in columns.values())
     shown = [
-        f"line {rows[k].number}, column {place + 1} ({heads[place]}): "
+        f"line {rows.numbers[k]}, column {place + 1} ({heads[place]}): "
         + (repr(cell[:LONGEST]) if cell else "no value")
         for k, place, cell in sorted(faults)[:MOST_LISTED]
     ]

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import re
+from bisect import bisect_left
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
@@ -19,10 +22,35 @@ COMMENT_BEHIND = re.compile(
 
 
 class Line(NamedTuple):
-    """A line of a file with content."""
+    """A line of a file."""
 
     number: int  # from 1
     text: str
+
+
+@dataclass(frozen=True)
+class Lines:
+    """Lines of a file with content, in columns: a table may have millions."""
+
+    numbers: Sequence[int]
+    texts: Sequence[str]
+
+    def __len__(self) -> int:
+        return len(self.texts)
+
+    def __getitem__(self, place: int) -> Line:
+        return Line(self.numbers[place], self.texts[place])
+
+    def __iter__(self) -> Iterator[Line]:
+        return map(Line, self.numbers, self.texts)
+
+    def since(self, first: int) -> Lines:
+        """The lines from a place on."""
+        return Lines(self.numbers[first:], self.texts[first:])
+
+    def above(self, number: int) -> list[Line]:
+        """The lines above the line of that number."""
+        return [self[place] for place in range(bisect_left(self.numbers, number))]
 
 
 def decoded_text(path: Path, what: str) -> tuple[str, bool]:
@@ -56,20 +84,22 @@ def _without_mark(begin: bytes) -> str:
     return "utf-16-be" if begin[:1] == b"\0" else "utf-8-sig"
 
 
-def lines_of(text: str) -> tuple[list[Line], list[Line]]:
+def lines_of(text: str) -> tuple[Lines, Lines]:
     """Lines with content, and lines that are comments, without their sign."""
-    plain = text.replace("\r\n", "\n").replace("\r", "\n")
-    numbered = [Line(number, line) for number, line in enumerate(plain.split("\n"), 1) if line.strip(EMPTY)]
-    if "#" not in plain:
-        return numbered, []
-    comments = [Line(number, line.lstrip("# \t")) for number, line in numbered if _is_comment(line)]
-    lines = [
-        Line(number, COMMENT_BEHIND.sub(r"\1", line) if "#" in line else line)
-        for number, line in numbered
-        if not _is_comment(line)
-    ]
-    return lines, comments
+    texts = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    numbers = [number for number, text in enumerate(texts, 1) if text.strip(EMPTY)]
+    texts = [texts[number - 1] for number in numbers]
+    if "#" not in text:
+        return Lines(numbers, texts), Lines([], [])
+    numbered = list(zip(numbers, texts, strict=True))
+    comments = [(number, text.lstrip(f"{EMPTY}#")) for number, text in numbered if _is_comment(text)]
+    lines = [(number, COMMENT_BEHIND.sub(r"\1", text)) for number, text in numbered if not _is_comment(text)]
+    return _in_columns(lines), _in_columns(comments)
 
 
-def _is_comment(line: str) -> bool:
-    return line.lstrip(EMPTY).startswith("#")
+def _in_columns(lines: Sequence[tuple[int, str]]) -> Lines:
+    return Lines([number for number, _ in lines], [text for _, text in lines])
+
+
+def _is_comment(text: str) -> bool:
+    return text.lstrip(EMPTY).startswith("#")
