@@ -65,8 +65,7 @@ def find_header(
         if set(kind.units) == set(kind.quantities):
             return Header(lines[0], list(kind.quantities), separator or ",", 0)
         raise TableError(
-            f"there is no header, so the columns and their units are not known: add a first line such as"
-            f" {kind.example}"
+            f"there is no header, so the units are not known: add a first line such as {kind.example}"
         )
     columns_of(words, kind)
     raise TableError(f"line {words.line.number}: there are rows above the header: write one table in a file")
@@ -218,10 +217,10 @@ def _what_lacks(header: Header, heads: Sequence[Head], lacking: Sequence[str], k
         for text, head in zip(header.heads, heads, strict=True)
         if head.written and not any(head.name in quantity.words for quantity in kind.quantities.values())
     ]
-    units = ", ".join(f"of {name} {_listed(UNITS[kind.quantities[name].kind])}" for name in lacking)
+    units = (f"units of {name} are {', '.join(UNITS[kind.quantities[name].kind])}" for name in lacking)
     return (
         f"line {header.line.number}, header {', '.join(header.heads)[:LONGEST]!r}: {'; '.join(reasons)}."
-        f" Allowed is a header such as {kind.example}; units {units}"
+        f" Allowed is a header such as {kind.example}; {'; '.join(units)}"
     )
 
 
@@ -229,7 +228,3 @@ def _what_is_wrong(text: str, head: Head, name: str) -> str:
     if head.written:
         return f"column {text!r}: unit {head.written!r} is not known"
     return f"column {text!r}: " + (f"{head.unit} is no unit of {name}" if head.unit else "no unit")
-
-
-def _listed(units: Mapping[str, float]) -> str:
-    return " or ".join(units)

@@ -109,12 +109,10 @@ def _understood(
     lines, comments, separator = _lines(text, separator, kind.example)
     header = find_header(lines, comments, kind, separator)
     columns, rows = columns_of(header, kind), lines.since(header.first)
-    if not kind.least <= len(rows) <= (kind.most or len(rows)):
-        allowed = f"{kind.least} or more" if len(rows) < kind.least else f"up to {kind.most:,}"
-        raise TableError(f"{len(rows):,} lines of numbers below the header: allowed are {allowed}")
     places = {name: column.place for name, column in columns.items()}
     cells, sign = _cells(rows, header, places.values(), separator, decimal)
     numbers, comma = _numbers(rows, header, cells, places.values(), sign, decimal)
+    _check_count(len(rows), kind)
     in_file = {name: numbers[place] for name, place in places.items()}
     _check_order(rows, in_file, columns, kind)
     return HumanTable(
@@ -240,6 +238,13 @@ def _numbers(
     numbers = {place: numbers_of(column, comma) for place, column in columns.items()}
     refuse_faults(rows, header.heads, {place: (columns[place], numbers[place]) for place in places}, comma)
     return numbers, comma
+
+
+def _check_count(count: int, kind: TableKind) -> None:
+    if not kind.least <= count <= (kind.most or count):
+        allowed = f"{kind.least} or more" if count < kind.least else f"up to {kind.most:,}"
+        lines = "line" if count == 1 else "lines"
+        raise TableError(f"{count:,} {lines} of numbers: allowed are {allowed}")
 
 
 def _check_order(
