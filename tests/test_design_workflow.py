@@ -63,6 +63,12 @@ def test_groove_from_a_file(tmp_path):
     assert shorter.mechanism.upper == 1.0
 
 
+def test_falling_samples_name_the_sample():
+    samples = [0.0, 0.2, 0.1, 0.3], [5.0] * 4
+    with pytest.raises(DesignError, match=r"theta\[2\] = 0.1 rad is not above theta\[1\] = 0.2 rad"):
+        synthesize(samples, 0.3, SPRING)
+
+
 def test_groove_from_a_number(tmp_path):
     design = design_groove(5.0, SPRING, 1.2, direction="releasing", friction=(0.1, 0.1), contacts=1)
     assert design.torque([0.0, 1.2]) == pytest.approx(5.0, rel=1e-6)

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from dualcam.common.tables import GROOVE_HEADER, UNITS, Quantity, TableKind, read_table
+from dualcam.common.tables import ANGLE_NAMES, GROOVE_HEADER, UNITS, Quantity, TableKind, read_table
 from dualcam.design.statics import Array, DesignError
 from dualcam.paths import path_of
 
@@ -18,7 +18,7 @@ DELIMITERS = (";", ",", " ", "\t")
 GROOVE = TableKind(
     what="groove table",
     quantities={
-        "psi": Quantity("angle", ("psi", "angle", "winkel", "theta"), order="rises"),
+        "psi": Quantity("angle", ANGLE_NAMES, order="rises"),
         "z": Quantity("length", ("z", "height", "lift", "hub"), order="never falls"),
     },
     example=f"psi_deg,z_mm (degrees and millimetres) or {GROOVE_HEADER} (radians and metres)",

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from dualcam.common.tables import Quantity, TableKind, read_table
+from dualcam.common.tables import ANGLE_NAMES, TORQUE_NAMES, Quantity, TableKind, read_table
 from dualcam.design.design import Design
 from dualcam.design.grooves import Groove
 from dualcam.design.mechanism import Spring
@@ -19,8 +19,8 @@ from dualcam.paths import path_of
 TORQUE = TableKind(
     what="torque file",
     quantities={
-        "theta": Quantity("angle", ("theta", "angle", "winkel"), order="rises", rule="table.theta"),
-        "torque": Quantity("torque", ("torque", "tau", "moment", "drehmoment")),
+        "theta": Quantity("angle", ANGLE_NAMES, order="rises", rule="table.theta"),
+        "torque": Quantity("torque", TORQUE_NAMES),
     },
     example="theta_deg,torque_Nm",
     error=DesignError,

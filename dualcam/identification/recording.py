@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from dualcam.common.tables import Quantity, TableKind, read_table
+from dualcam.common.tables import ANGLE_NAMES, TORQUE_NAMES, Quantity, TableKind, read_table
 from dualcam.errors import IdentificationError, UnitWarning
 from dualcam.paths import path_of
 
@@ -21,10 +21,8 @@ RECORDING = TableKind(
     what="recording",
     quantities={
         "time": Quantity("time", ("time", "t", "zeit"), order="rises", without_unit=("time",)),
-        "theta": Quantity(
-            "angle", ("theta", "angle", "position", "winkel"), without_unit=("theta",), rule="table.theta"
-        ),
-        "tau": Quantity("torque", ("tau", "torque", "moment", "drehmoment"), without_unit=("tau",)),
+        "theta": Quantity("angle", ANGLE_NAMES, without_unit=("theta",), rule="table.theta"),
+        "tau": Quantity("torque", TORQUE_NAMES, without_unit=("tau",)),
         "omega": Quantity(
             "angular velocity", ("omega", "speed", "velocity"), needed=False, without_unit=("omega",)
         ),

@@ -7,6 +7,10 @@ from dataclasses import dataclass, field
 
 from dualcam.errors import DualcamError
 
+# Names of columns in small letters
+ANGLE_NAMES = ("theta", "psi", "angle", "position", "winkel")
+TORQUE_NAMES = ("tau", "torque", "moment", "drehmoment")
+
 
 class TableError(DualcamError):
     """A table cannot be understood; the message names line, column and what is allowed."""
