@@ -104,6 +104,14 @@ REFUSED = {
     "nan": (f"{HEAD}0,1\n1,1\n2,nan\n3,1\n", ["line 4, column 2 (torque_Nm): 'nan'"]),
     "underscores": (f"{HEAD}0,1\n1,1\n2,1_0\n3,1\n", ["line 4, column 2", "'1_0'"]),
     "missing value": (f"{HEAD}0,1\n1\n2,\n3,1\n", ["line 3, column 2", "line 4", "no value"]),
+    "a gap between blanks": (
+        "theta_deg run torque_Nm n\n0 a 1 7\n1   1 7\n2 a 1 7\n3 a 1 7\n",
+        ["line 3", "3 values between spaces, 4 columns"],
+    ),
+    "decimal commas around a text of two words": (
+        "theta_deg run torque_Nm\n0,5 slow up 1,5\n1,5 slow up 1,5\n",
+        ["line 2", "4 values between spaces, 3 columns"],
+    ),
     "many faults": (HEAD + "x,1\n" * 9, ["line 2", "line 4", "and 6 more"]),
     "no unit": (f"theta,torque\n{POINTS}", ["line 1", "'theta': no unit", "'torque': no unit", *UNITS]),
     "unknown unit": (f"theta_deg,torque [lbf.ft]\n{POINTS}", ["unit 'lbf.ft' is not known", UNITS[1]]),

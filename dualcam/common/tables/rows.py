@@ -46,36 +46,39 @@ def is_number(cell: str) -> bool:
 def separator_of(rows: Lines, width: int, places: Iterable[int], usual: str) -> str:
     """The separator with which most of the first rows have `width` cells, and numbers at `places`.
 
-    `usual`: that of the header, which is taken where no separator does."""
-    places, order = tuple(places), [";", "\t", usual, ",", " "]
-
-    def is_good(cells: Sequence[str]) -> bool:
-        return len(cells) == width and all(is_number(cells[place]) for place in places)
+    `usual`: that of the header, which is taken where no separator does. With another one all cells must be
+    numbers: blanks and decimal commas could be taken for each other around a text."""
+    order = [";", "\t", usual, ",", " "]
+    needed = {separator: tuple(places) if separator == usual else range(width) for separator in order}
 
     def good_rows(separator: str) -> int:
-        first = (split(text, separator) for text in rows.texts[:FIRST_ROWS])
-        return sum(is_good(_without_empty_end(cells, width)) for cells in first)
+        first = (_without_empty_end(split(text, separator), width) for text in rows.texts[:FIRST_ROWS])
+        whole = (cells for cells in first if len(cells) == width)
+        return sum(all(is_number(cells[place]) for place in needed[separator]) for cells in whole)
 
     most = max(map(good_rows, order))
     return next(separator for separator in order if good_rows(separator) == most) if most else usual
 
 
 def cells_of(rows: Lines, width: int, separator: str, decimal: str | None) -> list[str]:
-    """The cells of all rows, row after row, `width` in each. TableError for a row with more."""
+    """The cells of all rows, row after row, `width` in each.
+
+    TableError for a row with more, and between blanks for a row with fewer: which one lacks is not known."""
     joined = separator.join(rows.texts)
     is_plain = separator != " " and '"' not in joined
     if is_plain and {text.count(separator) for text in rows.texts} == {width - 1}:
         return joined.split(separator)
     cells = [_without_empty_end(split(text, separator), width) for text in rows.texts]
-    long = next((k for k, row in enumerate(cells) if len(row) > width), None)
-    if long is not None:
+    least = width if separator == " " else 0
+    strange = next((k for k, row in enumerate(cells) if not least <= len(row) <= width), None)
+    if strange is not None:
         if separator != "," or decimal == "." or "." in joined:
-            _refuse_long(rows[long], len(cells[long]), width, separator)
+            _refuse_row(rows[strange], len(cells[strange]), width, separator)
         cells = [_joined(row, width) for row in rows]
     return [cell for row in cells for cell in (*row, *[""] * (width - len(row)))]
 
 
-def _refuse_long(row: Line, count: int, width: int, separator: str) -> NoReturn:
+def _refuse_row(row: Line, count: int, width: int, separator: str) -> NoReturn:
     hint = ". Is the decimal sign a comma? Then put semicolons between the columns"
     raise TableError(
         f"line {row.number}, {row.text[:LONGEST]!r}: {count} values between {name_of(separator)}, {width}"
