@@ -177,6 +177,14 @@ def test_recordings(file, name):
     assert found.omega is None and found.F_ext is None
 
 
+def test_names_of_the_fmu_need_no_unit(file):
+    """As `dualcam simulate` writes them. Other names, as Theta, are refused without unit."""
+    header = "time,theta,tau,torque_load"
+    assert read_recording(file(recording(header, "{0},{1:.1f},{2:.1f},9"))).theta[24] == 12.0
+    with pytest.raises(IdentificationError, match="column 'Theta': no unit"):
+        read_recording(file(recording(header.replace("theta", "Theta"), "{0},{1:.1f},{2:.1f},9")))
+
+
 def test_a_long_recording_is_read(file):
     """Longer than the FMU's tables may be: 600,000 lines, 17 MB."""
     lines = "".join(f"{k}.000001,{k % 50}.0000001,2.00001\n" for k in range(600_000))

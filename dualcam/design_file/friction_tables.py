@@ -21,7 +21,7 @@ FRICTION = TableKind(
     quantities={
         "v": Quantity("velocity", SPEED, rule="table.v"),
         "R": Quantity("force", ("r", "load", "force", "reaction", "last", "normalkraft"), needed=False),
-        "mu": Quantity("ratio", MU, without_unit=MU, rule="table.mu"),
+        "mu": Quantity("ratio", MU, rule="table.mu"),
     },
     example=" or ".join(FRICTION_HEADERS),
     error=DesignError,

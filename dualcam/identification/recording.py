@@ -20,13 +20,13 @@ LEAST_ROWS = 20
 RECORDING = TableKind(
     what="recording",
     quantities={
-        "time": Quantity("time", ("time", "t", "zeit"), order="rises", without_unit=("time",)),
-        "theta": Quantity("angle", ANGLE_NAMES, without_unit=("theta",), rule="table.theta"),
-        "tau": Quantity("torque", TORQUE_NAMES, without_unit=("tau",)),
+        "time": Quantity("time", ("time", "t", "zeit"), order="rises", bare_name="time"),
+        "theta": Quantity("angle", ANGLE_NAMES, bare_name="theta", rule="table.theta"),
+        "tau": Quantity("torque", TORQUE_NAMES, bare_name="tau"),
         "omega": Quantity(
-            "angular velocity", ("omega", "speed", "velocity"), needed=False, without_unit=("omega",)
+            "angular velocity", ("omega", "speed", "velocity"), needed=False, bare_name="omega"
         ),
-        "F_ext": Quantity("force", ("f_ext", "fext", "force"), needed=False, without_unit=("f_ext",)),
+        "F_ext": Quantity("force", ("f_ext", "fext", "force"), needed=False, bare_name="F_ext"),
     },
     example="time_s,theta_deg,tau_Nm",
     error=IdentificationError,

@@ -9,7 +9,7 @@ from itertools import islice
 from typing import NamedTuple
 
 from dualcam.common.tables.kinds import Quantity, TableError, TableKind
-from dualcam.common.tables.rows import SEPARATORS, is_number, split
+from dualcam.common.tables.rows import LONGEST, SEPARATORS, is_number, split
 from dualcam.common.tables.text import Line, Lines
 from dualcam.common.tables.units import KINDS, UNITS, Head, head_of, known_unit
 
@@ -17,7 +17,6 @@ FIRST_LINES = 200  # among which the header is
 SEPARATOR_LINE = re.compile(r"\W*sep=(.)?\W*", re.IGNORECASE)  # a first line that spreadsheets write
 COMMENT_OF_HEADER = re.compile(r"\s#\s.*")
 BRACKETS = "[](){}"
-LONGEST = 60  # characters of a line in a message
 
 
 @dataclass(frozen=True)
@@ -47,9 +46,7 @@ def without_separator_line(lines: Lines) -> tuple[str | None, Lines]:
 # ---- the line ----
 
 
-def find_header(
-    lines: Lines, comments: Lines, kind: TableKind, separator: str | None
-) -> Header:
+def find_header(lines: Lines, comments: Lines, kind: TableKind, separator: str | None) -> Header:
     """The first line that names all needed columns, which may be a comment above all rows.
 
     TableError where there is none: with the reason for the line of words above the first line of numbers."""
@@ -62,7 +59,7 @@ def find_header(
             return header
     words = words_above_numbers(lines, comments, separator)
     if words is None:
-        if set(kind.units) == set(kind.quantities):
+        if not kind.needs_header:
             return Header(lines[0], list(kind.quantities), separator or ",", 0)
         raise TableError(
             f"there is no header, so the units are not known: add a first line such as {kind.example}"
@@ -71,9 +68,7 @@ def find_header(
     raise TableError(f"line {words.line.number}: there are rows above the header: write one table in a file")
 
 
-def _candidates(
-    lines: Lines, comments: Lines, separator: str | None
-) -> Iterator[Header]:
+def _candidates(lines: Lines, comments: Lines, separator: str | None) -> Iterator[Header]:
     for k, line in enumerate(islice(lines, FIRST_LINES)):
         if re.search(r"[^\W\d]|°", line.text):
             yield from _headers(lines, line, k + 1, separator)
@@ -122,9 +117,7 @@ def _has_rows_above(header: Header, lines: Lines, columns: Mapping[str, Column])
     )
 
 
-def words_above_numbers(
-    lines: Lines, comments: Lines, separator: str | None
-) -> Header | None:
+def words_above_numbers(lines: Lines, comments: Lines, separator: str | None) -> Header | None:
     """The line above the first line of numbers, or the first line where none has numbers. None: no words
     are above the numbers."""
     rows = (k for k, line in enumerate(islice(lines, FIRST_LINES)) if _has_numbers(line.text))
@@ -166,7 +159,7 @@ def columns_of(header: Header, kind: TableKind) -> dict[str, Column]:
             )
         if columns:
             found[name] = columns[0]
-    if not found and set(kind.units) == set(kind.quantities) and len(heads) == len(kind.units):
+    if not found and not kind.needs_header and len(heads) == len(kind.units):
         return {
             name: Column(k, unit, UNITS[kind.quantities[name].kind][unit])
             for k, (name, unit) in enumerate(kind.units.items())
@@ -190,7 +183,8 @@ def _column(place: int, head: Head, name: str, kind: TableKind) -> Column | None
     unit = kind.units.get(name, head.unit)
     if unit in UNITS[quantity.kind]:
         return Column(place, unit, UNITS[quantity.kind][unit])
-    needs_none = not unit and not head.written and head.name in quantity.without_unit
+    is_ratio = quantity.kind == "ratio" and not unit and not head.unknown
+    needs_none = is_ratio or head.text == quantity.bare_name
     return Column(place, "", 1.0) if needs_none else None
 
 
@@ -213,9 +207,9 @@ def _what_lacks(header: Header, heads: Sequence[Head], lacking: Sequence[str], k
         wrong = [_what_is_wrong(header.heads[place], heads[place], name) for place in named]
         reasons += wrong or [f"no column of {name}"]
     reasons += [
-        f"column {text!r}: unit {head.written!r} is not known"
+        f"column {text!r}: unit {head.unknown!r} is not known"
         for text, head in zip(header.heads, heads, strict=True)
-        if head.written and not any(head.name in quantity.words for quantity in kind.quantities.values())
+        if head.unknown and not any(head.name in quantity.words for quantity in kind.quantities.values())
     ]
     units = (f"units of {name} are {', '.join(UNITS[kind.quantities[name].kind])}" for name in lacking)
     return (
@@ -225,6 +219,6 @@ def _what_lacks(header: Header, heads: Sequence[Head], lacking: Sequence[str], k
 
 
 def _what_is_wrong(text: str, head: Head, name: str) -> str:
-    if head.written:
-        return f"column {text!r}: unit {head.written!r} is not known"
+    if head.unknown:
+        return f"column {text!r}: unit {head.unknown!r} is not known"
     return f"column {text!r}: " + (f"{head.unit} is no unit of {name}" if head.unit else "no unit")

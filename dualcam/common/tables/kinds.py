@@ -30,8 +30,8 @@ class Quantity:
         Whether a table without the column is refused.
     order : str
         "rises": each value is above the one before. "never falls": or equal to it. "": any order.
-    without_unit : tuple of str
-        Names, in small letters, that need no unit: their values are in the SI unit.
+    bare_name : str
+        The name that needs no unit: its values are in the SI unit. "" for none; a ratio never needs a unit.
     rule : str
         Rule of `unit_guards.RULES` for values in the SI unit; "" for none.
     """
@@ -40,7 +40,7 @@ class Quantity:
     words: tuple[str, ...]
     needed: bool = True
     order: str = ""
-    without_unit: tuple[str, ...] = ()
+    bare_name: str = ""
     rule: str = ""
 
 
@@ -72,6 +72,7 @@ class TableKind:
     most: int = 0
     units: Mapping[str, str] = field(default_factory=dict)
 
-    def __post_init__(self) -> None:
-        """Given units are those of quantities of the table."""
-        assert set(self.units) <= set(self.quantities)
+    @property
+    def needs_header(self) -> bool:
+        """Whether the caller leaves units open, which the header must then give."""
+        return set(self.units) != set(self.quantities)

@@ -75,9 +75,10 @@ JOINT = re.compile(r"(?:[\s_/,:.]|\bin)+$", re.IGNORECASE)  # between name and u
 class Head(NamedTuple):
     """The head of a column."""
 
+    text: str
     name: str  # in small letters, without unit
     unit: str  # key of KINDS; "" for none that is known
-    written: str  # what stands in brackets, or behind the name, where that is no known unit
+    unknown: str  # what stands in brackets, where that is no known unit
 
 
 @cache
@@ -97,7 +98,8 @@ def head_of(text: str) -> Head:
     last = _last_unit(name)
     if last and unit in ("", known_unit(last["unit"])):
         name, unit = name[: last.start()], known_unit(last["unit"])
-    return Head(JOINT.sub("", name).strip().lower(), unit, "" if unit or not bracketed else bracketed[0])
+    unknown = bracketed[0] if bracketed and not unit else ""
+    return Head(text, JOINT.sub("", name).strip().lower(), unit, unknown)
 
 
 def _last_unit(text: str) -> re.Match[str] | None:
