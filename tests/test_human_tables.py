@@ -1,11 +1,12 @@
 """Tables as people write them, read by each of the five readers: the exact numbers, or the refusal."""
 
 import math
+from fractions import Fraction
 
 import numpy as np
 import pytest
 
-from dualcam.common.tables import TableError, read_columns
+from dualcam.common.tables import TableError, in_unit, read_columns
 from dualcam.design import DesignError, Table
 from dualcam.design.workflow import TorqueCurve
 from dualcam.design_file.friction_tables import read_friction_table
@@ -215,6 +216,13 @@ def test_grooves(file, name):
     table = Table.read(file(GROOVES[name]), 0.02)
     assert table.psi == pytest.approx(np.radians([0, 20, 45, 80]), rel=1e-15)
     assert table.z.tolist() == [0.0, 0.0041, 0.0082, 0.014]
+
+
+@pytest.mark.parametrize("values", [[4.1, 8.2, 0.3], [4.1, 1.7e-11, 3.3e8], [1e300]])
+@pytest.mark.parametrize("factor", ["1e-3", "1e-2", "1e-6", "0.0254", "1000"])
+def test_conversion_rounds_once(values, factor):
+    found = in_unit(np.array(values), float(factor))
+    assert found.tolist() == [float(Fraction(repr(value)) * Fraction(factor)) for value in values]
 
 
 # ---- friction ----

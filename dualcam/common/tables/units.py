@@ -110,11 +110,16 @@ def _last_unit(text: str) -> re.Match[str] | None:
 
 
 def in_unit(values: NDArray[np.float64], factor: float) -> NDArray[np.float64]:
-    """Values times a factor. Rounded once where the factor is a short decimal: 4.1 mm is 0.0041 m to the last
-    digit."""
-    if factor == 1.0:
-        return values
-    exact = Decimal(repr(factor))
-    if len(exact.as_tuple().digits) > 3:
+    """Values, shape (n,), times a factor. Rounded once where the factor is a short decimal: 4.1 mm is
+    0.0041 m to the last digit."""
+    exact = Decimal(repr(factor)).normalize()
+    digits, exponent = exact.as_tuple()[1:]
+    if factor == 1.0 or len(digits) > 3:
         return values * factor
+    whole = int(exact.scaleb(-int(exponent)))
+    with np.errstate(over="ignore"):
+        billionths = np.rint(values * 1e9)
+    are_short = (billionths / 1e9 == values).all() and np.abs(billionths).max(initial=0.0) * whole < 1e15
+    if are_short:  # all numbers here are whole, but for the last division
+        return billionths * whole / 10.0 ** (9 - int(exponent))
     return np.array([float(Decimal(repr(value)) * exact) for value in values.tolist()])
