@@ -143,6 +143,9 @@ RULES: dict[str, Rule] = {
     "limits.lead_angle": Rule("rad", _above(0.5 * math.pi), _degrees),
     "table.psi": ANGLE,
     "table.z": LENGTH,
+    "table.theta": ANGLE,
+    "table.v": Rule("m/s", _above(5.0), _millimetres_per_second),
+    "table.mu": Rule("", _above(1.0), _friction),
 }
 
 

@@ -63,6 +63,12 @@ def test_groove_from_a_file(tmp_path):
     assert shorter.mechanism.upper == 1.0
 
 
+def test_falling_samples_name_the_sample():
+    samples = [0.0, 0.2, 0.1, 0.3], [5.0] * 4
+    with pytest.raises(DesignError, match=r"theta\[2\] = 0.1 rad is not above theta\[1\] = 0.2 rad"):
+        synthesize(samples, 0.3, SPRING)
+
+
 def test_groove_from_a_number(tmp_path):
     design = design_groove(5.0, SPRING, 1.2, direction="releasing", friction=(0.1, 0.1), contacts=1)
     assert design.torque([0.0, 1.2]) == pytest.approx(5.0, rel=1e-6)
@@ -78,14 +84,14 @@ def test_groove_from_a_number(tmp_path):
         ("", "is empty"),
         (
             "theta,torque\n0,1\n",
-            r"header 'theta, torque' has 0 columns with a unit of angle.*such as theta_deg",
+            r"header 'theta, torque': column 'theta': no unit; column 'torque': no unit.*such as theta_deg",
         ),
-        ("theta_deg,torque\n0,1\n", "0 columns with a unit of torque.*torque_Nm; units are N.m, N.mm"),
-        ("theta_deg,gamma_deg,torque_Nm\n0,0,1\n", "2 columns with a unit of angle"),
-        ("theta_deg,torque_Nm\n0,1\n1,x\n", "line 3: 'x' in column 2: allowed is a number"),
-        ("theta_deg,torque_Nm\n0,1\n1\n", "line 3: '' in column 2"),
-        ("theta_deg,torque_Nm\n", "no samples"),
-        ("theta_deg,torque_Nm\n0,1\n1,1\n", "torque.csv has 2 rows of numbers: allowed are 4 or more"),
+        ("theta_deg,torque\n0,1\n", "column 'torque': no unit.*torque_Nm; units of torque are N.m, N.mm"),
+        ("beta_deg,gamma_deg,torque_Nm\n0,0,1\n", "'beta_deg' and 'gamma_deg' are both theta"),
+        ("theta_deg,torque_Nm\n0,1\n1,x\n", r"line 3, column 2 \(torque_Nm\): 'x': allowed is a finite"),
+        ("theta_deg,torque_Nm\n0,1\n1\n", r"line 3, column 2 \(torque_Nm\): no value"),
+        ("theta_deg,torque_Nm\n", "0 lines of numbers"),
+        ("theta_deg,torque_Nm\n0,1\n1,1\n", "torque.csv: 2 lines of numbers: allowed are 4 or more"),
         ("theta_deg,torque_Nm\n0,1\n1,1\n2,nan\n3,1\n", "finite"),
     ],
 )
@@ -109,5 +115,5 @@ def test_files_of_spreadsheets(tmp_path, encoding):
 
 def test_file_that_is_no_text(tmp_path):
     (tmp_path / "torque.csv").write_bytes(b"\xff\xfe\x00\x01")
-    with pytest.raises(DesignError, match=r"torque file .* 0 columns with a unit of angle"):
+    with pytest.raises(DesignError, match=r"torque.csv: .*no column of theta"):
         design_groove(tmp_path / "torque.csv", SPRING)

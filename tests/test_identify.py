@@ -440,16 +440,19 @@ def changed(line, text):
 
 FAULTS = {
     "empty": ("", "the file is empty.*time_s,theta_deg,tau_Nm"),
-    "no header": (changed(1, "0,0.1,2"), "no column of time; no column of theta; no column of tau"),
-    "no unit": (changed(1, "time_s,angle,tau_Nm"), "column 'angle': no unit; units of theta are rad, deg"),
+    "no header": (changed(1, "0,0.1,2"), "there is no header"),
+    "no unit": (changed(1, "time_s,angle,tau_Nm"), "column 'angle': no unit.*units of theta are rad, deg"),
     "unknown unit": (changed(1, "time_s,theta_rad,torque [lbf.ft]"), "unit 'lbf.ft' is not known"),
     "two columns": (changed(1, "time_s,theta_rad,angle_deg"), "'theta_rad' and 'angle_deg' are both theta"),
-    "missing value": (changed(7, "0.05,,2.1"), r"line 7, column 2 \(theta\): nothing"),
-    "nan": (changed(9, "0.07,0.135,NaN"), r"line 9, column 3 \(tau\): 'NaN'"),
+    "missing value": (changed(7, "0.05,,2.1"), r"line 7, column 2 \(theta_rad\): no value"),
+    "nan": (changed(9, "0.07,0.135,NaN"), r"line 9, column 3 \(tau_Nm\): 'NaN'"),
     "text": (changed(9, "0.07,0.135,off"), "line 9.*'off'.*finite number"),
-    "decimal comma": (changed(4, "0,02,0,11,2,04"), "line 4: 6 values for 3 columns.*semicolons"),
-    "unsorted": (changed(12, "0.01,0.15,2.2"), r"line 12: time 0.01 s is not after 0.09 s \(line 11\)"),
-    "few": (changed(1, "time_s,theta_rad,tau_Nm")[:200], "lines of numbers: allowed are 20 or more"),
+    "decimal comma": (changed(4, "0,02,0,11,2,04"), "line 4.*6 values between commas, 3 columns.*semicolons"),
+    "unsorted": (
+        changed(12, "0.01,0.15,2.2"),
+        "line 12, column 1: time = 0.01 s: allowed is more than 0.09 s, the value of line 11",
+    ),
+    "few": (changed(1, "time_s,theta_rad,tau_Nm")[:188], "9 lines of numbers: allowed are 20 or more"),
     "still": (
         "time_s,theta_rad,tau_Nm\n" + "".join(f"{k},1,2\n" for k in range(30)),
         "theta is 1 rad in all",

@@ -234,10 +234,10 @@ def test_a_picture_without_plots_is_refused_before_the_runs(tmp_path, capsys):
     [
         ("", ["empty"]),
         ("cam1.radius\n", ["0 runs"]),
-        ("cam1.radius\n0.02\nnan\n", ["run 1", "cam1.radius = nan", "finite"]),
+        ("cam1.radius\n0.02\nnan\n", ["line 3", "cam1.radius", "'nan'", "finite"]),
         ("cam1.radius,cam1.radius\n0.02,0.03\n", ["two columns cam1.radius"]),
-        ("cam1.radius,cam2.radius\n0.02\n", ["line 2", "1 cells", "2"]),
-        ("cam1.radius;cam2.radius\n0,02;0,03\n", ["line 2", "3 cells", "1"]),
+        ("cam1.radius,cam2.radius\n0.02\n", ["line 2", "column 2", "cam2.radius", "no value"]),
+        ("cam1.radius;cam2.radius\n0,02;0,03;1\n", ["line 2", "3 values", "2 columns"]),
         ("cam1.radius\n0.02\n\nwide\n", ["line 4", "wide"]),
     ],
 )

@@ -16,7 +16,8 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from dualcam.design.groove_files import HEADER, read_groove
+from dualcam.common.tables import GROOVE_HEADER, fmu_text
+from dualcam.design.groove_files import read_groove
 from dualcam.design.statics import Array, DesignError
 from dualcam.errors import UnitWarning
 from dualcam.paths import write_text
@@ -305,7 +306,7 @@ class Table:
         Parameters
         ----------
         path : str or Path
-            File of two columns: angle psi of the pin along the groove, and height z of the pin.
+            File with columns of the angle psi of the pin along the groove, and the height z of the pin.
         radius : float
             Radius of the cam [m].
         units : (str, str), optional
@@ -356,8 +357,7 @@ class Table:
 
     def write(self, path: str | Path) -> None:
         """To a CSV file for the FMU's `cam1.table` or `cam2.table`, with all digits."""
-        rows = [f"{float(p)!r},{float(z)!r}\n" for p, z in zip(self.psi, self.z, strict=True)]
-        write_text(Path(path), HEADER + "\n" + "".join(rows))
+        write_text(Path(path), fmu_text(GROOVE_HEADER, self.psi, self.z))
 
     @property
     def range(self) -> tuple[float, float]:

@@ -96,10 +96,19 @@ def _samples(torque: tuple[ArrayLike, ArrayLike], upper: float) -> Torque:
 
 
 def _spline(angle: Array, value: Array, upper: float) -> Torque:
-    if angle.ndim != 1 or angle.shape != value.shape or len(angle) < 4 or not (np.diff(angle) > 0.0).all():
-        raise DesignError("torque: samples must be two arrays of shape (n,), n >= 4, of increasing theta")
+    if angle.ndim != 1 or angle.shape != value.shape or len(angle) < 4:
+        raise DesignError(
+            f"torque: samples (theta, torque) of shapes {angle.shape} and {value.shape}: allowed are two"
+            " arrays of shape (n,), n >= 4"
+        )
     if not (np.isfinite(angle).all() and np.isfinite(value).all()):
         raise DesignError("torque: samples must be finite numbers")
+    if len(back := np.flatnonzero(np.diff(angle) <= 0.0)):
+        k = int(back[0])
+        raise DesignError(
+            f"torque: theta[{k + 1}] = {angle[k + 1]:.9g} rad is not above theta[{k}] = {angle[k]:.9g} rad:"
+            " allowed are increasing angles"
+        )
     if angle[0] > ROUNDED or angle[-1] < upper - ROUNDED:
         low, high, end = (f"{math.degrees(rad):.6g}" for rad in (angle[0], angle[-1], upper))
         raise DesignError(

@@ -183,10 +183,10 @@ class DesignFile:
     def _friction_at_rest(self, number: int) -> tuple[float, LoadLaw | None]:
         """mu at rest and in slow motion, without the factor of the load law, and this law."""
         from dualcam.design.load_law import LoadPower, LoadSamples
-        from dualcam.design_file.friction_tables import static_samples
+        from dualcam.design_file.friction_tables import read_friction_table
 
         if table := self.value(f"cam{number}.friction_table"):
-            loads, coefficients = static_samples(Path(table))
+            loads, coefficients = read_friction_table(Path(table)).static_samples
             law = LoadSamples(loads, coefficients) if len(loads) > 1 else None
             return coefficients[len(coefficients) // 2], law
         exponent = self.value(f"cam{number}.friction_load_exponent")

@@ -3,17 +3,29 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
 
-from dualcam.design.groove_files import decoded_text
+import numpy as np
+
+from dualcam.common.tables import FRICTION_HEADERS, Quantity, TableKind, fmu_text, read_table
 from dualcam.errors import DesignError
 
-FORMS = {  # header -> a line as an example
-    "v_m_s,mu": "0.01,0.12",
-    "v_m_s,R_N,mu": "0.01,100,0.12",
-}
+SPEED = ("v", "speed", "velocity", "sliding speed", "geschwindigkeit", "gleitgeschwindigkeit")
+MU = ("mu", "µ", "μ", "friction", "friction coefficient", "cof", "reibwert", "reibungszahl")
+FRICTION = TableKind(
+    what="friction table",
+    quantities={
+        "v": Quantity("velocity", SPEED, rule="table.v"),
+        "R": Quantity("force", ("r", "load", "force", "reaction", "last", "normalkraft"), needed=False),
+        "mu": Quantity("ratio", MU, rule="table.mu"),
+    },
+    example=" or ".join(FRICTION_HEADERS),
+    error=DesignError,
+)
 LEAST, MOST = 3, 2000  # speeds, lines
 LEAST_LOADS, MOST_LOADS = 2, 16
 LARGEST = 10.0  # mu
@@ -34,74 +46,95 @@ class FrictionSample(NamedTuple):
     """One line of a friction table."""
 
     speed: float  # m/s
-    load: float  # N, reaction of one contact; 0 where the table has no loads
+    load: float  # N, nominal load of one contact; 0 where the table has no loads
     mu: float
 
 
-def read_friction_table(path: Path) -> list[list[FrictionSample]]:
-    """For each load, from the least one, the samples over the speed; one list where the table has no loads.
+@dataclass(frozen=True)
+class FrictionTable:
+    """A friction table, and how its file was understood.
 
-    DesignError, with the line, for a file that the FMU would refuse."""
-    text, is_utf8 = decoded_text(path, "friction table")
-    if not is_utf8:
-        raise DesignError(f"{path.name} is not in UTF-8: save the table as CSV in UTF-8")
-    header, *lines = text.rstrip().split("\n") if text.strip() else [""]
-    header = header.strip()
-    if header not in FORMS:
-        allowed = " or ".join(f'"{form}"' for form in FORMS)
-        raise DesignError(f"line 1, {header[:40]!r}, must be the header {allowed}")
+    Attributes
+    ----------
+    by_load : list of list of FrictionSample
+        For each load, from the least one, the samples over the speed; one list where the table has no loads.
+    notes, warnings : tuple of str
+        What was guessed, and numbers that look as if they were in another unit.
+    is_fmu_format : bool
+        Whether the FMU can read the file as it is.
+    """
+
+    by_load: list[list[FrictionSample]]
+    notes: tuple[str, ...]
+    warnings: tuple[str, ...]
+    is_fmu_format: bool
+
+    @property
+    def static_samples(self) -> tuple[list[float], list[float]]:
+        """Loads [N], growing, and mu at rest under each; one load, 0, where the table has none."""
+        at_rest = [samples[0] for samples in self.by_load]
+        return [sample.load for sample in at_rest], [sample.mu for sample in at_rest]
+
+    def fmu_text(self) -> str:
+        """The table as the FMU reads it."""
+        speed, load, mu = np.array([sample for samples in self.by_load for sample in samples]).T
+        plain, with_load = FRICTION_HEADERS
+        return fmu_text(with_load, speed, load, mu) if load.any() else fmu_text(plain, speed, mu)
+
+
+def read_friction_table(path: Path) -> FrictionTable:
+    """A friction table from a file. DesignError, with the line, for a table that the FMU would refuse."""
+    table = read_table(path, FRICTION)
+    speeds, mus = table.columns["v"], table.columns["mu"]
+    has_loads = "R" in table.columns
+    loads = table.columns["R"] if has_loads else np.zeros(len(mus))
+    samples = [FrictionSample(*row) for row in np.column_stack([speeds, loads, mus]).tolist()]
+    try:
+        by_load = _by_load(samples, table.lines.tolist(), has_loads)
+    except DesignError as error:
+        raise DesignError(f"{path}: {error}") from None
+    return FrictionTable(by_load, table.notes, table.warnings, table.is_for_the_fmu(FRICTION_HEADERS))
+
+
+def _by_load(
+    samples: Sequence[FrictionSample], lines: Sequence[int], has_loads: bool
+) -> list[list[FrictionSample]]:
+    if len(samples) > MOST:
+        raise DesignError(f"{len(samples)} points: allowed are up to {MOST}")
     by_load: list[list[FrictionSample]] = []
-    if len(lines) > MOST:
-        raise DesignError(f"{len(lines)} points: allowed are up to {MOST}")
-    for number, line in enumerate(lines, 2):
-        sample = _sample(line, header, number)
-        begins = not by_load or (sample.load > 0.0 and sample.speed == 0.0)
+    for number, sample in zip(lines, samples, strict=True):
+        _check_sample(sample, number, has_loads)
+        begins = not by_load or (has_loads and sample.speed == 0.0)
         if begins:
             _check_load(sample, by_load, number)
             by_load.append([])
         else:
             _check_speed(sample, by_load, number)
         by_load[-1].append(sample)
-    _check_whole(by_load, header)
+    _check_whole(by_load, has_loads)
     return by_load
 
 
-def static_samples(path: Path) -> tuple[list[float], list[float]]:
-    """Loads [N], growing, and mu at rest under each; one load, 0, where the table has none."""
-    at_rest = [samples[0] for samples in read_friction_table(path)]
-    return [sample.load for sample in at_rest], [sample.mu for sample in at_rest]
-
-
-def _sample(line: str, header: str, number: int) -> FrictionSample:
-    try:
-        cells = [float(cell) for cell in line.split(",")]
-    except ValueError:
-        cells = []
-    if len(cells) != header.count(",") + 1 or not all(map(math.isfinite, cells)):
+def _check_sample(sample: FrictionSample, number: int, has_loads: bool) -> None:
+    if has_loads and not sample.load > 0.0:
+        raise DesignError(f"line {number}: R = {sample.load:g} N must be > 0")
+    if not 0.0 < sample.mu <= LARGEST:
         raise DesignError(
-            f'line {number}, {line.strip()[:40]!r}, must be finite numbers "{header}", like "{FORMS[header]}"'
+            f"line {number}: mu = {sample.mu:g} must be > 0 and <= {LARGEST:g}; without friction leave out"
+            " the table and set the friction to 0"
         )
-    speed, *load, mu = cells
-    if load and not load[0] > 0.0:
-        raise DesignError(f"line {number}: R_N = {load[0]:g} must be > 0")
-    if not 0.0 < mu <= LARGEST:
-        raise DesignError(
-            f"line {number}: mu = {mu:g} must be > 0 and <= {LARGEST:g}; without friction leave out the table"
-            " and set the friction to 0"
-        )
-    return FrictionSample(speed, load[0] if load else 0.0, mu)
 
 
 def _check_load(sample: FrictionSample, by_load: list[list[FrictionSample]], number: int) -> None:
     """A sample that begins a load."""
     if not by_load and sample.speed != 0.0:
         raise DesignError(
-            f"line {number}: v_m_s = {sample.speed:g} must be 0 in the first line of numbers, which holds the"
+            f"line {number}: v = {sample.speed:g} m/s must be 0 in the first line of numbers, which holds the"
             " static coefficient"
         )
     if by_load and not sample.load > by_load[-1][-1].load:
         raise DesignError(
-            f"line {number}: R_N = {sample.load:g} must be > {by_load[-1][-1].load:g}, the load before"
+            f"line {number}: R = {sample.load:g} N must be > {by_load[-1][-1].load:g}, the load before"
         )
     if len(by_load) == MOST_LOADS:
         raise DesignError(f"line {number}: too many loads, allowed are up to {MOST_LOADS}")
@@ -111,31 +144,31 @@ def _check_speed(sample: FrictionSample, by_load: list[list[FrictionSample]], nu
     before = by_load[-1][-1]
     if sample.load != before.load:
         raise DesignError(
-            f"line {number}: R_N = {sample.load:g} must be {before.load:g}: a load begins with v_m_s = 0 and"
+            f"line {number}: R = {sample.load:g} N must be {before.load:g} N: a load begins with v = 0 and"
             " has all speeds"
         )
     if not sample.speed > before.speed:
         raise DesignError(
-            f"line {number}: v_m_s = {sample.speed:g} must be > {before.speed:g}, that of the line before"
+            f"line {number}: v = {sample.speed:g} m/s must be > {before.speed:g}, that of the line before"
         )
 
 
-def _check_whole(by_load: list[list[FrictionSample]], header: str) -> None:
+def _check_whole(by_load: list[list[FrictionSample]], has_loads: bool) -> None:
     if not by_load or len(by_load[0]) < LEAST:
         count = len(by_load[0]) if by_load else 0
         raise DesignError(f"{count} points: there must be at least {LEAST}")
-    if header.count(",") == 2 and len(by_load) < LEAST_LOADS:
-        raise DesignError("one load: there must be at least 2; for one, leave out the column R_N")
+    if has_loads and len(by_load) < LEAST_LOADS:
+        raise DesignError("one load: there must be at least 2; for one, leave out the column of the load")
     speeds = [sample.speed for sample in by_load[0]]
     for samples in by_load:
         if [sample.speed for sample in samples] != speeds:
-            raise DesignError(f"R_N = {samples[0].load:g}: each load must have the speeds of the first load")
+            raise DesignError(f"R = {samples[0].load:g} N: each load must have the speeds of the first load")
     for low, high in pairwise(by_load):
         for a, b in zip(low, high, strict=True):
             power = math.log(b.mu / a.mu) / math.log(b.load / a.load)
             if abs(power) > LARGEST_POWER:
                 raise DesignError(
-                    f"at v_m_s = {a.speed:g} mu goes with the power {power:.3g} of the load from"
-                    f" R_N = {a.load:g} to {b.load:g}: allowed are powers from {-LARGEST_POWER:g} to"
+                    f"at v = {a.speed:g} m/s mu goes with the power {power:.3g} of the load from"
+                    f" R = {a.load:g} to {b.load:g} N: allowed are powers from {-LARGEST_POWER:g} to"
                     f" {LARGEST_POWER:g}"
                 )

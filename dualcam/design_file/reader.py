@@ -8,8 +8,8 @@ from typing import Any
 
 from dualcam.design_file.design import DesignFile, SpringLimits
 from dualcam.design_file.findings import ERROR, WARNING, DesignFileError, Finding
-from dualcam.design_file.friction_tables import ANALYTIC_FRICTION, read_friction_table
-from dualcam.design_file.grooves import fmu_table
+from dualcam.design_file.fmu_tables import fmu_friction, fmu_groove
+from dualcam.design_file.friction_tables import ANALYTIC_FRICTION
 from dualcam.design_file.keys import unknown_key
 from dualcam.design_file.toml_text import line_of, lines_of_keys, parse, read_text
 from dualcam.errors import DualcamError
@@ -235,7 +235,7 @@ class _Reading:
     # ---- tables ----
 
     def _read_tables(self, parameters: dict[str, Any]) -> None:
-        """Replaces the paths of groove tables by absolute paths of files that the FMU reads."""
+        """Replaces the paths of tables by absolute paths of files that the FMU reads."""
         for cam in ("cam1", "cam2"):
             name, profile = f"{cam}.table", parameters.get(f"{cam}.profile", 1)
             if self._is_refused(f"{cam}.profile") or self._is_refused(name):
@@ -260,7 +260,7 @@ class _Reading:
         written = parameters[name]
         path = (self.path.parent / written).absolute()
         try:
-            groove, readable = fmu_table(path)
+            groove, readable = fmu_groove(path)
         except (DualcamError, OSError, ValueError) as error:
             self.refuse(name, written, f"{name} = {written!r}: {error}")
             return
@@ -276,11 +276,15 @@ class _Reading:
         written = parameters[name]
         path = (self.path.parent / written).absolute()
         try:
-            read_friction_table(path)
+            table, readable = fmu_friction(path)
         except (DualcamError, OSError, ValueError) as error:
             self.refuse(name, written, f"{name} = {written!r}: {error}")
             return
-        parameters[name] = str(path)
+        parameters[name] = str(readable)
+        if table.notes:
+            self.notes.append(f"{name} = {written!r} was read so: {', '.join(table.notes)}")
+        for text in table.warnings:
+            self.warn(name, written, f"{name} = {written!r}: {text}", "unit")
         for key in ANALYTIC_FRICTION:
             if f"{cam}.{key}" in parameters:
                 text = f"{cam}.{key} is not used with {name}, which gives the friction coefficient itself"

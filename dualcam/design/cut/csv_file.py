@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from dualcam.common.tables import GROOVE_HEADER
 from dualcam.design.cut.groove_cut import GrooveCut
 from dualcam.design.cut.sampling import MOST_POINTS, SHARES, places, wrapped
-from dualcam.design.groove_files import HEADER
 from dualcam.design.grooves import Table
 from dualcam.design.statics import Array, DesignError
 from dualcam.paths import write_text
@@ -20,7 +20,7 @@ TABLE_ERROR = 1e-10  # m between the groove and the curve of the FMU through the
 SLOPE_ERROR = 1e-7  # of the slope, likewise
 CLOSEST = 1e-5  # rad; closer points would have slopes of rounding errors
 LINES = ("centre", "upper", "lower")
-COLUMNS = (*HEADER.split(","), *(f"{line}_{axis}_m" for line in LINES for axis in "xyz"))
+COLUMNS = (*GROOVE_HEADER.split(","), *(f"{line}_{axis}_m" for line in LINES for axis in "xyz"))
 
 
 def write_csv(cut: GrooveCut, path: Path) -> None:

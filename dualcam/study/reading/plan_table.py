@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 from typing import Any
 
+from dualcam.common.tables import in_unit
 from dualcam.errors import DualcamError
+from dualcam.reals import Array
 from dualcam.study.plan import Plan
 from dualcam.study.problem import StudyError, unchecked
+from dualcam.study.reading import quantities
 from dualcam.study.reading.context import Context
 from dualcam.study.reading.files import missing_file
-from dualcam.study.reading.quantities import STRING
 from dualcam.study.reading.values import ValuesReader, note_missing_files
 from dualcam.study.sampling import tables
 from dualcam.study.sampling.correlation import Correlation
@@ -66,9 +69,12 @@ def _plan_of_file(context: Context, content: Mapping[str, Any]) -> Plan | None:
         findings.note(("plan", "table"), f"plan: table = {written!r}: {problem}")
         return None
     path = context.folder / written
-    texts = [name for name, unit in context.units.items() if unit == STRING]
+    texts = [name for name, unit in context.units.items() if unit == quantities.STRING]
     try:
-        columns = tables.read_parquet(path) if tables.is_parquet(path) else tables.read_csv(path, texts)
+        converted = partial(_in_unit_of_fmu, context)
+        columns = (
+            tables.read_parquet(path) if tables.is_parquet(path) else tables.read_csv(path, texts, converted)
+        )
         vary, table = tables.places(columns, path.parent)
     except DualcamError as error:
         problems = error.problems if isinstance(error, StudyError) else [str(error)]
@@ -78,6 +84,13 @@ def _plan_of_file(context: Context, content: Mapping[str, Any]) -> Plan | None:
         if name in columns:
             note_missing_files(context, name, [str(text) for text in columns[name]])
     return unchecked(Plan, kind="table", vary=vary, table=table)
+
+
+def _in_unit_of_fmu(context: Context, name: str, unit: str, values: Array) -> Array:
+    """The values of a column with a unit, in the unit of the FMU's variable."""
+    where = f"plan: column {name}"
+    zero, one = (quantities.number(where, name, f"{count} {unit}", context.units) for count in (0, 1))
+    return in_unit(values, one - zero) + zero
 
 
 def _correlation(context: Context, number: int, content: Mapping[str, Any]) -> Correlation:

@@ -17,13 +17,13 @@ from pathlib import Path
 
 import numpy as np
 
+from dualcam.common.tables import GROOVE_HEADER, fmu_text
 from dualcam.reals import Array
 from dualcam.study.problem import StudyError
 from dualcam.study.sampling.kept_files import kept_file
 
 POINTS_MAX = 2000  # of a table: the covariance matrix has the square of this
 POINTS_PER_LENGTH = 2.0  # of the correlation length; fewer would cut the error's bends
-HEADER = "psi_rad,z_m"
 
 
 @dataclass(frozen=True)
@@ -132,8 +132,8 @@ class RandomProfiles:
 
     def __getitem__(self, place: int) -> str:
         """The path of a table, which is written once on each machine."""
-        lines = (f"{float(p)!r},{float(h)!r}\n" for p, h in zip(self.psi, self.height(place), strict=True))
-        return str(kept_file(f"profile{place}.csv", f"{HEADER}\n{''.join(lines)}".encode()))
+        text = fmu_text(GROOVE_HEADER, self.psi, self.height(place))
+        return str(kept_file(f"profile{place}.csv", text.encode()))
 
     def label(self, place: int) -> str:
         """The number of the table, in the table of results."""

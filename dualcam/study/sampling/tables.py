@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import importlib
 from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
@@ -10,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from dualcam.common.tables import Converter, TableError, read_columns
 from dualcam.reals import Array
 from dualcam.study.problem import StudyError
 from dualcam.study.sampling.texts import GivenTexts
@@ -21,42 +21,19 @@ def is_parquet(path: Path) -> bool:
     return path.suffix.lower() in (".parquet", ".pq")
 
 
-def read_csv(path: Path, texts: Collection[str] = ()) -> dict[str, Sequence[Any]]:
-    """Columns by name; those of `texts` have texts. StudyError for a file that is no such table."""
+def read_csv(
+    path: Path, texts: Collection[str] = (), converted: Converter | None = None
+) -> dict[str, Sequence[Any] | Array]:
+    """Columns by name; those of `texts` have texts. StudyError for a file that is no such table.
+
+    `converted` is that of `read_columns`."""
     try:
-        with path.open(newline="", encoding="utf-8-sig") as file:
-            reader = csv.reader(file)
-            names = [name.strip() for name in next(reader, [])]
-            if not names:
-                raise ValueError("it is empty")
-            rows = [(reader.line_num, row) for row in reader if any(row)]
-        for line, row in rows:
-            if len(row) != len(names):
-                raise ValueError(f"line {line} has {len(row)} cells, the first line {len(names)}")
-        columns = [[row[place].strip() for _, row in rows] for place in range(len(names))]
-        lines = [line for line, _ in rows]
-        found: dict[str, Sequence[Any]] = {
-            name: cells if name in texts else _numbers(cells, lines)
-            for name, cells in zip(names, columns, strict=True)
-        }
-    except (OSError, ValueError) as error:
-        raise StudyError(f"plan: {path} is no table of numbers under a line of names: {error}") from error
-    if twice := {name for name in names if names.count(name) > 1}:
-        raise StudyError(f"plan: {path} has two columns {', '.join(twice)}: allowed is one")
-    return found
+        return dict(read_columns(path, "table of runs", texts, converted))
+    except TableError as error:
+        raise StudyError(f"plan: {error}") from error
 
 
-def _numbers(cells: Sequence[str], lines: Sequence[int]) -> list[float]:
-    found = []
-    for line, cell in zip(lines, cells, strict=True):
-        try:
-            found.append(float(cell))
-        except ValueError as error:
-            raise ValueError(f"line {line}: {error}") from error
-    return found
-
-
-def read_parquet(path: Path) -> dict[str, Sequence[Any]]:
+def read_parquet(path: Path) -> dict[str, Sequence[Any] | Array]:
     """Columns by name. StudyError for a file that is no Parquet file, or if pyarrow is not installed."""
     try:
         parquet = importlib.import_module("pyarrow.parquet")

@@ -1,4 +1,4 @@
-"""Groove tables that a design file names: read, checked, and converted to the FMU's format where needed."""
+"""Tables that a design file names: read, checked, and converted to the FMU's format where needed."""
 
 from __future__ import annotations
 
@@ -9,24 +9,37 @@ import sys
 import tempfile
 from pathlib import Path
 
-from dualcam.design.groove_files import HEADER, GrooveFile, read_groove
+from dualcam.common.tables import GROOVE_HEADER, fmu_text
+from dualcam.design.groove_files import GrooveFile, read_groove
+from dualcam.design_file.friction_tables import FrictionTable, read_friction_table
 from dualcam.errors import DesignError
 
 
-def fmu_table(path: Path) -> tuple[GrooveFile, Path]:
+def fmu_groove(path: Path) -> tuple[GrooveFile, Path]:
     """The samples of a groove table, and a file of them that the FMU reads.
 
-    A file in the FMU's format is that file itself. Another file stays as it is: its samples are written to
-    the user's cache folder, under a name that follows from the samples. Where that folder cannot be written,
-    a temporary folder takes its place. DesignError for a file that cannot be understood or written."""
+    DesignError for a file that cannot be understood or written."""
     groove = read_groove(path)
-    if groove.is_fmu_format:
-        return groove, path
-    rows = [f"{float(p)!r},{float(z)!r}\n" for p, z in zip(groove.psi, groove.z, strict=True)]
-    text = HEADER + "\n" + "".join(rows)
+    is_ready = groove.is_fmu_format
+    return groove, path if is_ready else _written(path, fmu_text(GROOVE_HEADER, groove.psi, groove.z))
+
+
+def fmu_friction(path: Path) -> tuple[FrictionTable, Path]:
+    """A friction table, and a file of it that the FMU reads.
+
+    DesignError for a file that cannot be understood or written."""
+    table = read_friction_table(path)
+    return table, path if table.is_fmu_format else _written(path, table.fmu_text())
+
+
+def _written(path: Path, text: str) -> Path:
+    """A file of the text, which stands for the table at `path` in another format.
+
+    The table stays as it is. The file is in the user's cache folder, under a name that follows from the text.
+    Where that folder cannot be written, a temporary folder takes its place."""
     digest = hashlib.sha256(text.encode()).hexdigest()[:16]
     stem = re.sub(r"[^A-Za-z0-9_-]", "_", path.stem)[:40]
-    return groove, _cached(f"{stem}-{digest}.csv", text)
+    return _cached(f"{stem}-{digest}.csv", text)
 
 
 def _cached(name: str, text: str) -> Path:
@@ -42,8 +55,7 @@ def _cached(name: str, text: str) -> Path:
         else:
             return path
     raise DesignError(
-        f"the groove table cannot be written for the FMU: {'; '.join(refusals)}; give a table with the header"
-        f" {HEADER}"
+        f"the table cannot be written for the FMU: {'; '.join(refusals)}; give a table in the FMU's format"
     )
 
 

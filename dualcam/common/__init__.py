@@ -1,0 +1,1 @@
+"""What all other rooms of the package share."""

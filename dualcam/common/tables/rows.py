@@ -1,0 +1,186 @@
+"""Rows of a table: separators, decimal commas, numbers."""
+
+from __future__ import annotations
+
+import csv
+import math
+import re
+from collections.abc import Iterable, Sequence
+from itertools import pairwise
+from typing import NoReturn
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dualcam.common.tables.kinds import TableError
+from dualcam.common.tables.text import Line, Lines
+
+Array = NDArray[np.float64]
+
+SEPARATORS = {";": "semicolons", "\t": "tabs", ",": "commas", " ": "spaces"}
+NUMBER = re.compile(r"[+-]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eE][+-]?\d+)?")
+THOUSANDS = re.compile(r"[+-]?\d{1,3}(?:[.,]\d{3})+(?:[.,]\d*)?")
+WHOLE_PART, DECIMALS = re.compile(r"\s*[+-]?\d+"), re.compile(r"\d+(?:[eE][+-]?\d+)?\s*")
+FIRST_ROWS = 50  # that tell the separator
+MOST_LISTED = 3  # faults in one message
+LONGEST = 60  # characters of a line in a message
+
+
+def name_of(separator: str) -> str:
+    """A separator in words."""
+    return SEPARATORS.get(separator, repr(separator))
+
+
+def split(text: str, separator: str) -> list[str]:
+    """The cells of a line."""
+    if '"' in text:
+        return next(csv.reader([text], delimiter=separator, skipinitialspace=True))
+    return text.split() if separator == " " else text.split(separator)
+
+
+def is_number(cell: str) -> bool:
+    """Whether a cell looks like a number, with a decimal point or comma."""
+    return NUMBER.fullmatch(cell.strip("\"' \t")) is not None
+
+
+def separator_of(rows: Lines, width: int, places: Iterable[int], usual: str) -> str:
+    """The separator with which most of the first rows have `width` cells, and numbers at `places`.
+
+    `usual`: that of the header, which is taken where no separator does. With another one all cells must be
+    numbers: blanks and decimal commas could be taken for each other around a text."""
+    order = [";", "\t", usual, ",", " "]
+    needed = {separator: tuple(places) if separator == usual else range(width) for separator in order}
+
+    def good_rows(separator: str) -> int:
+        first = (_without_empty_end(split(text, separator), width) for text in rows.texts[:FIRST_ROWS])
+        whole = (cells for cells in first if len(cells) == width)
+        return sum(all(is_number(cells[place]) for place in needed[separator]) for cells in whole)
+
+    most = max(map(good_rows, order))
+    return next(separator for separator in order if good_rows(separator) == most) if most else usual
+
+
+def cells_of(rows: Lines, width: int, separator: str, decimal: str | None) -> list[str]:
+    """The cells of all rows, row after row, `width` in each.
+
+    TableError for a row with more, and between blanks for a row with fewer: which one lacks is not known."""
+    joined = separator.join(rows.texts)
+    is_plain = separator != " " and '"' not in joined
+    if is_plain and {text.count(separator) for text in rows.texts} == {width - 1}:
+        return joined.split(separator)
+    cells = [_without_empty_end(split(text, separator), width) for text in rows.texts]
+    least = width if separator == " " else 0
+    strange = next((k for k, row in enumerate(cells) if not least <= len(row) <= width), None)
+    if strange is not None:
+        if separator != "," or decimal == "." or "." in joined:
+            _refuse_row(rows[strange], len(cells[strange]), width, separator)
+        cells = [_joined(row, width) for row in rows]
+    return [cell for row in cells for cell in (*row, *[""] * (width - len(row)))]
+
+
+def _refuse_row(row: Line, count: int, width: int, separator: str) -> NoReturn:
+    hint = ". Is the decimal sign a comma? Then put semicolons between the columns"
+    raise TableError(
+        f"line {row.number}, {row.text[:LONGEST]!r}: {count} values between {name_of(separator)}, {width}"
+        f" columns in the header: allowed is one value for each column{hint if separator == ',' else ''}"
+    )
+
+
+def _without_empty_end(cells: list[str], width: int) -> list[str]:
+    """The cells without the empty ones that a spreadsheet adds behind the last column."""
+    while len(cells) > width and not cells[-1].strip():
+        cells = cells[:-1]
+    return cells
+
+
+def _joined(row: Line, width: int) -> list[str]:
+    """The cells of a row whose commas separate and are decimal signs, too.
+
+    TableError where there is no way, or more than one, to make `width` cells."""
+    parts = _without_empty_end(row.text.split(","), 2 * width)
+    joins = [bool(WHOLE_PART.fullmatch(a) and DECIMALS.fullmatch(b)) for a, b in pairwise(parts)]
+    # ways[k][n]: in how many ways the parts from k on make n cells
+    ways = [[0] * (width + 1) for _ in range(len(parts) + 2)]
+    ways[len(parts)][0] = 1
+    for k in reversed(range(len(parts))):
+        joins_here = k + 1 < len(parts) and joins[k]
+        for n in range(1, width + 1):
+            ways[k][n] = ways[k + 1][n - 1] + (ways[k + 2][n - 1] if joins_here else 0)
+    if ways[0][width] != 1:
+        raise TableError(
+            f"line {row.number}, {row.text[:LONGEST]!r}: {len(parts)} values between commas, {width} columns"
+            " in the header: the comma seems to be separator and decimal sign, and this line can be read in"
+            f" {ways[0][width] or 'no'} ways. Put semicolons between the columns, or write decimal points"
+        )
+    cells, k = [], 0
+    for n in range(width, 0, -1):
+        taken = 1 if ways[k + 1][n - 1] else 2
+        cells.append(",".join(parts[k : k + taken]))
+        k += taken
+    return cells
+
+
+# ---- numbers ----
+
+
+def has_decimal_comma(columns: Iterable[Sequence[str]], separator: str) -> bool:
+    """Whether the comma is the decimal sign of cells.
+
+    Between commas a cell such as "1,331" may be a quoted number with thousands, so that some cell must be no
+    such number."""
+    with_comma = [cell.strip("\"' \t") for column in columns for cell in column if "," in cell]
+    if separator != ",":
+        return bool(with_comma)
+    return not all(THOUSANDS.fullmatch(cell) for cell in with_comma)
+
+
+def numbers_of(cells: Sequence[str], comma: bool) -> Array:
+    """The numbers of a column; NaN where a cell is none. `comma`: whether the decimal sign is a comma."""
+    foreign = "._" if comma else ",_"
+    joined = "".join(cells)
+    if not any(sign in joined for sign in foreign):
+        try:
+            return np.array(list(map(float, [cell.replace(",", ".") for cell in cells] if comma else cells)))
+        except ValueError:
+            pass
+    return np.array([_number(cell, comma) for cell in cells])
+
+
+def _number(cell: str, comma: bool) -> float:
+    plain = cell.strip("\"' \t")
+    if not NUMBER.fullmatch(plain) or ("." if comma else ",") in plain:
+        return math.nan
+    return float(plain.replace(",", "."))
+
+
+def refuse_faults(
+    rows: Lines, heads: Sequence[str], columns: dict[int, tuple[Sequence[str], Array]], comma: bool
+) -> None:
+    """TableError with the first cells that are no finite numbers. `columns`: cells and numbers by place."""
+    faults = [
+        (int(k), place, cells[k].strip())
+        for place, (cells, values) in columns.items()
+        for k in np.flatnonzero(~np.isfinite(values))[: MOST_LISTED + 1]
+    ]
+    if not faults:
+        return
+    count = sum(int((~np.isfinite(values)).sum()) for _, values in columns.values())
+    shown = [
+        f"line {rows.numbers[k]}, column {place + 1} ({heads[place]}): "
+        + (repr(cell[:LONGEST]) if cell else "no value")
+        for k, place, cell in sorted(faults)[:MOST_LISTED]
+    ]
+    more = f" and {count - MOST_LISTED} more" if count > MOST_LISTED else ""
+    sign = "comma" if comma else "point"
+    raise TableError(
+        f"{'; '.join(shown)}{more}: allowed is a finite number with a decimal"
+        f" {sign}{_hint(sorted(faults)[0][2], comma)}"
+    )
+
+
+def _hint(cell: str, comma: bool) -> str:
+    """What may help with a cell that is no number."""
+    foreign = "." if comma else ","
+    if THOUSANDS.fullmatch(cell.strip("\"'")) and foreign in cell:
+        return f"; thousands are not separated: write {cell.replace(foreign, '')}"
+    return "" if cell else ". Leave out lines that lack a value"
