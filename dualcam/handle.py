@@ -22,6 +22,7 @@ from dualcam.fmi3 import Fmi3Instance
 from dualcam.instance import START_FAILED, Instance, References
 from dualcam.library import source_path
 from dualcam.model_description import Interface, Kind, Scalar, Variable, read_model_description
+from dualcam.process_bound import ProcessBound
 from dualcam.reals import Array, Reals, number_of, vector_of
 from dualcam.unit_guards import warn_units
 
@@ -31,8 +32,10 @@ OWN_NAMES = {"cam1.lead_angle", "cam2.lead_angle", "spring.stiffness"}  # only t
 NAMES_LISTED = 12  # most names in a message about an unknown variable
 
 
-class FmuState:
+class FmuState(ProcessBound):
     """The whole state of an instance, from `save_state`. The state is freed with the last reference to it."""
+
+    _instead = "restore it into its own FMU"
 
     def __init__(self, instance: Instance, address: int, time: float) -> None:
         self._instance, self._address, self._time = instance, address, time
@@ -42,7 +45,7 @@ class FmuState:
         return f"<FmuState at {self._time:g} s>"
 
 
-class Handle:
+class Handle(ProcessBound):
     """The common part of Fmu and ContinuousFmu.
 
     Attributes
@@ -56,6 +59,7 @@ class Handle:
     """
 
     _use: Use
+    _instead = "open a new one there from its `path`, and call start with its `parameters`"
 
     def __init__(self, source: str | Path, fmi: int | None = None) -> None:
         self.path = source_path(source, fmi)

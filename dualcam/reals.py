@@ -12,11 +12,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from dualcam.errors import FmuError
 from dualcam.instance import OK_OR_WARNING, Instance, References
+from dualcam.process_bound import ProcessBound
 
 Array = NDArray[np.float64]
 
 
-class Reals:
+class Reals(ProcessBound):
     """A fixed group of n real variables with its own buffer, from `Fmu.reals`.
 
     Attributes
@@ -40,6 +41,8 @@ class Reals:
     >>> round(theta, 4), round(z, 4)  # rad, m
     (0.9179, 0.0092)
     """
+
+    _instead = "make a group of its `names` with the FMU there: fmu.reals(*names)"
 
     def __init__(self, instance: Instance, names: Sequence[str], references: References) -> None:
         self.names = tuple(names)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -20,6 +19,7 @@ from dualcam.fleet.values import FleetValue
 from dualcam.handle import names_of
 from dualcam.library import source_path
 from dualcam.model_description import ModelDescription, read_model_description
+from dualcam.process_bound import ProcessBound, ProcessLock
 from dualcam.reals import Array, number_of
 
 STATES, INPUTS = ("theta", "omega"), ("tau", "F_ext")
@@ -100,7 +100,7 @@ class Rollout:
         return Gradient(adjoint, inputs, parameters)
 
 
-class DifferentiableFleet:
+class DifferentiableFleet(ProcessBound):
     """Runs of many instances of the forward FMU, with the Jacobian of every step.
 
     The Jacobians are analytic: `step.dtheta_d...` and `step.domega_d...` of the FMU. They go through stick
@@ -151,6 +151,8 @@ class DifferentiableFleet:
     `friction_peak` of 1.
     """
 
+    _instead = "make a new one there, from the same arguments"
+
     def __init__(
         self,
         fmu: str | Path,
@@ -175,7 +177,7 @@ class DifferentiableFleet:
         others = dict(values or {})
         _refuse_twice(self.parameters, others)
         self._shape = (len(STATES), len(knowns))
-        self._lock = threading.Lock()  # JAX calls from threads of its own
+        self._lock = ProcessLock()  # JAX calls from threads of its own
         others[INITIAL[0]] = _between_stops(description, others)
 
         def fleet(outputs: Sequence[str]) -> Fleet:
