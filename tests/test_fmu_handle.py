@@ -4,6 +4,7 @@ called directly (tests/support/driver.py)."""
 import ast
 import gc
 import math
+import re
 import subprocess
 import sys
 import tomllib
@@ -668,6 +669,18 @@ def test_subpackages_need_no_further_import():
     assert printed(code) == ["optimum", "Plan", "dualcam.systems"]
 
 
+NEED_EXTRA = {"gym", "mujoco"}  # modules that `from dualcam import *` leaves out
+
+
+def test_the_modules_that_help_announces_are_attributes():
+    announced = re.findall(r"^    dualcam\.(\w+) ", dualcam.__doc__, re.MULTILINE)
+    assert {"design", "gradient", *NEED_EXTRA} <= set(announced)
+    for name in announced:
+        code = f"import dualcam\ntry: print(dualcam.{name}.__name__)\nexcept ImportError as error: print(error)"
+        found = " ".join(printed(code))
+        assert found == f"dualcam.{name}" or f'pip install "dualcam[{name}]"' in found
+
+
 def test_public_names():
     """`dir` lists them; type checkers see each one, in the imports for them."""
     assert dir(dualcam) == sorted(dualcam.__all__)
@@ -677,7 +690,7 @@ def test_public_names():
     imported = {
         alias.name for node in checked.body if isinstance(node, ast.ImportFrom) for alias in node.names
     }
-    assert imported | {"__version__"} == set(dualcam.__all__)
+    assert imported | {"__version__"} == {*dualcam.__all__, *NEED_EXTRA}
     assert (Path(dualcam.__file__).parent / "py.typed").is_file()
 
 

@@ -1,5 +1,5 @@
-"""A forked child has copies of the parent's open FMUs and fleets. It neither hangs on them, nor takes files from
-the parent."""
+"""A forked child has copies of its parent's open FMUs and fleets. It neither hangs on them, nor takes files away
+from the parent."""
 
 import os
 import signal
