@@ -154,8 +154,8 @@ class Instance(ABC):
             raise FmuError(text)
 
     def free(self) -> None:
-        """Free the instance and the unpacked files, once. A forked child only forgets its copy, whose threads, if
-        any, are in the parent alone."""
+        """Free the instance and the unpacked files, once. A forked child only forgets its copy, of which
+        threads of the FMU are in the parent alone."""
         if not self._unpacked.is_own:
             self.abandon()
         if not self.is_open:

@@ -676,7 +676,7 @@ def test_the_modules_that_help_announces_are_attributes():
     announced = re.findall(r"^    dualcam\.(\w+) ", dualcam.__doc__, re.MULTILINE)
     assert {"design", "gradient", *NEED_EXTRA} <= set(announced)
     for name in announced:
-        code = f"import dualcam\ntry: print(dualcam.{name}.__name__)\nexcept ImportError as error: print(error)"
+        code = f"import dualcam\ntry: print(dualcam.{name}.__name__)\nexcept ImportError as why: print(why)"
         found = " ".join(printed(code))
         assert found == f"dualcam.{name}" or f'pip install "dualcam[{name}]"' in found
 

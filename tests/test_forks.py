@@ -1,5 +1,5 @@
-"""A forked child has copies of its parent's open FMUs and fleets. It neither hangs on them, nor takes files away
-from the parent."""
+"""Copies of open FMUs and fleets in a forked child: it neither hangs on them, nor takes their files away from its
+parent."""
 
 import os
 import signal
