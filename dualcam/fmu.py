@@ -19,11 +19,11 @@ from collections.abc import Mapping, Sequence
 
 from numpy.typing import ArrayLike
 
+from dualcam.arrays import Array, number_of
 from dualcam.errors import FmuError
 from dualcam.handle import Handle, names_of
 from dualcam.instance import OK_OR_WARNING
 from dualcam.model_description import Scalar
-from dualcam.reals import Array, number_of
 
 __all__ = ["Array", "Fmu", "FmuError", "RepeatedStart", "Scalar"]
 

@@ -1,5 +1,4 @@
-"""Copies of open FMUs and fleets in a forked child: it neither hangs on them, nor takes their files away from its
-parent."""
+"""FMUs and fleets in a forked child, which neither hangs on its copies nor takes files from its parent."""
 
 import os
 import signal

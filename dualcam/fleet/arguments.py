@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from dualcam.arrays import Array, number_of
 from dualcam.errors import FmuError
-from dualcam.reals import Array, number_of
 
 TOLERANCES = "a finite number > 0, or None"
 
@@ -48,23 +48,8 @@ def whole_number(value: object, name: str, allowed: str, most: float) -> int:
     return number
 
 
-def numbers_of(u: ArrayLike, shape: tuple[int, ...]) -> Array:
-    """`u` as a C-contiguous array of float64; the same array where `u` is one."""
-    if type(u) is np.ndarray and u.dtype == np.float64 and u.shape == shape and u.flags.c_contiguous:
-        return u
-    try:
-        given = np.asarray(u)
-    except ValueError:  # rows of different lengths
-        given = np.asarray(None)
-    if given.dtype.kind not in "fiu":
-        raise FmuError(f"u has elements of type {given.dtype}: allowed are real numbers, shape {shape}")
-    if given.shape != shape:
-        raise FmuError(f"u has shape {given.shape}: allowed is {shape}")
-    return np.ascontiguousarray(given, np.float64)
-
-
 def steps_of(u: ArrayLike) -> int:
-    """The number of steps in a history of inputs; 1 where `u` is none, which `numbers_of` refuses."""
+    """The number of steps in a history of inputs; 1 where `u` is none, which `real_array` refuses."""
     try:
         shape = np.shape(u)
     except ValueError:  # rows of different lengths

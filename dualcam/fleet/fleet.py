@@ -14,10 +14,10 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from dualcam.arrays import Array, number_of, real_array
 from dualcam.errors import FleetError, FmuError, UnknownVariableError
 from dualcam.fleet.arguments import (
     chosen_instances,
-    numbers_of,
     output_buffer,
     relative_tolerance,
     steps_of,
@@ -31,7 +31,6 @@ from dualcam.handle import OWN_NAMES, names_of, unknown_variable
 from dualcam.library import source_path
 from dualcam.model_description import Variable, read_model_description
 from dualcam.process_bound import ProcessBound
-from dualcam.reals import Array, number_of
 from dualcam.unit_guards import warn_units
 
 MOST_THREADS = 256
@@ -250,7 +249,7 @@ class Fleet(ProcessBound):
         out: Array | None,
         wanted: tuple[int, ...],
     ) -> Array:
-        inputs = numbers_of(u, shape)
+        inputs = np.ascontiguousarray(real_array(u, "u", FmuError, shape))
         size = h if type(h) is float else number_of(h, "h", "a finite number > 0, in s")
         if not 0.0 < size < math.inf:
             raise FmuError(f"h = {h!r}: allowed is a finite number > 0, in s")

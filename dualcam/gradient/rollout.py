@@ -12,15 +12,14 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike
 
+from dualcam.arrays import Array, number_of, real_array
 from dualcam.errors import FmuError, UnknownVariableError
 from dualcam.fleet import Fleet
-from dualcam.fleet.arguments import numbers_of
 from dualcam.fleet.values import FleetValue
 from dualcam.handle import names_of
 from dualcam.library import source_path
 from dualcam.model_description import ModelDescription, read_model_description
 from dualcam.process_bound import ProcessBound, ProcessLock
-from dualcam.reals import Array, number_of
 
 STATES, INPUTS = ("theta", "omega"), ("tau", "F_ext")
 INITIAL = ("initial.theta", "initial.omega")
@@ -87,7 +86,7 @@ class Rollout:
         >>> run.gradient(by_states).parameters.round(3).tolist()  # rad per 1
         [[-0.32]]
         """
-        given = numbers_of(by_states, self.states.shape)
+        given = real_array(by_states, "by_states", FmuError, self.states.shape)
         count, steps, _ = given.shape
         first = 2 + self.input_count
         adjoint = np.zeros((count, 2))
@@ -285,9 +284,14 @@ class DifferentiableFleet(ProcessBound):
 
     def _run(self, fleet: Fleet, start: ArrayLike, u: ArrayLike, p: ArrayLike | None) -> Array:
         """The outputs of a new run of `fleet`."""
+        if p is None and self.parameters:
+            raise FmuError(
+                f"p is missing: allowed is an array of shape {(self.count, len(self.parameters))} with"
+                f" {', '.join(self.parameters)} of each instance"
+            )
         columns = np.empty((self.count, 0)) if p is None else p
-        first = numbers_of(start, (self.count, 2))
-        tuned = numbers_of(columns, (self.count, len(self.parameters)))
+        first = real_array(start, "start", FmuError, (self.count, 2))
+        tuned = real_array(columns, "p", FmuError, (self.count, len(self.parameters)))
         values: dict[str, FleetValue] = dict(zip(INITIAL, first.T, strict=True))
         values |= dict(zip(self.parameters, tuned.T, strict=True))
         with self._lock:
