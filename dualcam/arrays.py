@@ -11,6 +11,8 @@ from dualcam.errors import DualcamError, FmuError
 
 Array = NDArray[np.float64]
 
+REAL = "fiu"  # kinds of NumPy's types
+TIME, TRUTH = REAL + "m", REAL + "b"
 PLAIN = frozenset((np.ndarray, np.float64, float, int, list, tuple))  # types without units and masks
 CARRIES_UNIT = ("magnitude", "to_value")  # attributes of the quantities of pint, astropy and unyt
 SECOND = np.timedelta64(1, "s")
@@ -26,8 +28,7 @@ def real_array(
     name: str,
     error: type[DualcamError] = DualcamError,
     shape: tuple[int, ...] | None = None,
-    *,
-    is_time: bool = False,
+    kinds: str = REAL,
 ) -> Array:
     """`values` as an array of float64: the same array where it is one, else a new one.
 
@@ -35,15 +36,16 @@ def real_array(
     ----------
     values : array_like
         Real numbers. Refused are dates, durations, text, booleans, complex numbers, objects, masked values,
-        quantities with a unit, and rows of different lengths.
+        quantities with a unit, and rows of different lengths, unless `kinds` has them.
     name : str
         What the values are, for messages.
     error : type
         What is raised.
     shape : tuple of int, optional
         The shape that the values must have.
-    is_time : bool
-        Whether the values are times in s. Then durations such as timedelta64[ns] become seconds.
+    kinds : str
+        NumPy's kinds of types that are allowed. "m" for times in s: durations such as timedelta64[ns] become
+        seconds. "b" for values of Boolean variables: True becomes 1.
 
     Returns
     -------
@@ -52,7 +54,7 @@ def real_array(
 
     Examples
     --------
-    >>> real_array(np.array([0, 500], "timedelta64[ms]"), "time", is_time=True)
+    >>> real_array(np.array([0, 500], "timedelta64[ms]"), "time", kinds=TIME)
     array([0. , 0.5])
     >>> real_array(np.array([0, 500], "timedelta64[ms]"), "theta")
     Traceback (most recent call last):
@@ -66,13 +68,11 @@ seconds they are: t / np.timedelta64(1, 's')
         given = np.asarray(values)
     except Exception as reason:  # rows of different lengths; types of other packages have errors of their own
         raise error(f"{name} is no array of real numbers: {reason}") from None
-    if is_time and given.dtype.kind == "m":
-        given = given / SECOND
-    if given.dtype.kind not in "fiu":
+    if given.dtype.kind not in kinds:
         raise error(f"{name} has elements of type {_type_of(given)}")
     if shape is not None and given.shape != shape:
         raise error(f"{name} has shape {given.shape}: allowed is {shape}")
-    return given.astype(np.float64, copy=False)
+    return given / SECOND if given.dtype.kind == "m" else given.astype(np.float64, copy=False)
 
 
 def _refuse_what_arrays_leave_out(values: ArrayLike, name: str, error: type[DualcamError]) -> None:

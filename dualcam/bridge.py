@@ -9,6 +9,7 @@ import control
 import numpy as np
 from numpy.typing import ArrayLike
 
+from dualcam.arrays import real_array
 from dualcam.errors import FmuError
 from dualcam.fmu import Fmu, RepeatedStart
 from dualcam.forward import (
@@ -250,8 +251,8 @@ class ContinuousCamSystem(control.NonlinearIOSystem):
         names."""
         if isinstance(x0, control.OperatingPoint):
             x0, u0 = x0.states, x0.inputs if u0 is None else u0
-        x = np.broadcast_to(np.asarray(x0, dtype=float), 2)
-        u = np.broadcast_to(np.asarray(0.0 if u0 is None else u0, dtype=float), self.ninputs)
+        x = np.broadcast_to(real_array(x0, "x0", FmuError), 2)
+        u = np.broadcast_to(real_array(0.0 if u0 is None else u0, "u0", FmuError), self.ninputs)
         model = self._linear_model(x, u)
         model.update_names(**({"inputs": self.input_labels, "outputs": self.output_labels} | names))
         return model
