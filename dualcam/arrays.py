@@ -103,3 +103,13 @@ def number_of(
     if not math.isfinite(number):
         raise error(f"{name} = {value!r}: allowed is {allowed}")
     return number
+
+
+def positive_number(
+    value: object, name: str, allowed: str = "a finite number > 0", error: type[DualcamError] = FmuError
+) -> float:
+    """`value` as a finite number > 0. `error` for anything else."""
+    number = number_of(value, name, allowed, error)
+    if number <= 0.0:
+        raise error(f"{name} = {value!r}: allowed is {allowed}")
+    return number

@@ -9,7 +9,7 @@ import control
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dualcam.arrays import real_array
+from dualcam.arrays import positive_number, real_array
 from dualcam.errors import FmuError
 from dualcam.fmu import Fmu, RepeatedStart
 from dualcam.forward import (
@@ -127,9 +127,8 @@ def to_nonlinear_io_system(
     """
     names_in = selected_names(inputs, INPUTS, "input")
     if period is None:
-        if not (rest_speed > 0.0 and rest_time > 0.0):
-            raise FmuError(f"rest_speed = {rest_speed!r}, rest_time = {rest_time!r}: allowed is > 0")
-        return ContinuousCamSystem(source, names_in, outputs, parameters, rest_speed, rest_time, name)
+        speed, time = positive_number(rest_speed, "rest_speed"), positive_number(rest_time, "rest_time")
+        return ContinuousCamSystem(source, names_in, outputs, parameters, speed, time, name)
     return _sampled(source, names_in, outputs, parameters, checked_period(period), name)
 
 

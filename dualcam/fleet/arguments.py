@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from dualcam.arrays import Array, number_of
+from dualcam.arrays import Array, positive_number
 from dualcam.errors import FmuError
 
 TOLERANCES = "a finite number > 0, or None"
@@ -13,12 +13,7 @@ TOLERANCES = "a finite number > 0, or None"
 
 def relative_tolerance(tolerance: float | None) -> float:
     """The tolerance as the C loop takes it: 0 for the FMU's default."""
-    if tolerance is None:
-        return 0.0
-    relative = number_of(tolerance, "tolerance", TOLERANCES)
-    if relative <= 0.0:
-        raise FmuError(f"tolerance = {tolerance!r}: allowed is {TOLERANCES}")
-    return relative
+    return 0.0 if tolerance is None else positive_number(tolerance, "tolerance", TOLERANCES)
 
 
 def chosen_instances(instances: ArrayLike | None, count: int) -> NDArray[np.uint8]:

@@ -14,7 +14,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from dualcam.arrays import Array, number_of, real_array
+from dualcam.arrays import Array, number_of, positive_number, real_array
 from dualcam.errors import FleetError, FmuError, UnknownVariableError
 from dualcam.fleet.arguments import (
     chosen_instances,
@@ -250,9 +250,8 @@ class Fleet(ProcessBound):
         wanted: tuple[int, ...],
     ) -> Array:
         inputs = np.ascontiguousarray(real_array(u, "u", FmuError, shape))
-        size = h if type(h) is float else number_of(h, "h", "a finite number > 0, in s")
-        if not 0.0 < size < math.inf:
-            raise FmuError(f"h = {h!r}: allowed is a finite number > 0, in s")
+        is_step = type(h) is float and 0.0 < h < math.inf
+        size = h if is_step else positive_number(h, "h", "a finite number > 0, in s")
         outputs = np.empty(wanted) if out is None else output_buffer(out, wanted)
         try:
             self._core.call(

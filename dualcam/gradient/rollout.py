@@ -12,7 +12,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dualcam.arrays import Array, number_of, real_array
+from dualcam.arrays import Array, positive_number, real_array
 from dualcam.errors import FmuError, UnknownVariableError
 from dualcam.fleet import Fleet
 from dualcam.fleet.values import FleetValue
@@ -23,7 +23,6 @@ from dualcam.process_bound import ProcessBound, ProcessLock
 
 STATES, INPUTS = ("theta", "omega"), ("tau", "F_ext")
 INITIAL = ("initial.theta", "initial.omega")
-STEP = "a finite number > 0, in s"
 
 
 @dataclass(frozen=True, eq=False)
@@ -164,9 +163,7 @@ class DifferentiableFleet(ProcessBound):
         *,
         tolerance: float | None = None,
     ) -> None:
-        self.h = number_of(h, "h", STEP)
-        if self.h <= 0.0:
-            raise FmuError(f"h = {h!r}: allowed is {STEP}")
+        self.h = positive_number(h, "h", "a finite number > 0, in s")
         self.inputs = tuple(names_of(inputs, "inputs"))
         self.parameters = tuple(names_of(parameters, "parameters"))
         knowns = (*STATES, *self.inputs, *self.parameters)
