@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
+from typing import Any
 
 from dualcam.design_file import DesignFile
 from dualcam.errors import IdentificationError
@@ -149,7 +150,7 @@ def unknowns_of(design: DesignFile, names: Sequence[str] = DEFAULT) -> list[Unkn
 
 def _listed(names: object) -> list[str]:
     """`names` as a list. IdentificationError unless they are texts."""
-    listed = [names] if isinstance(names, str) or not isinstance(names, Iterable) else list(names)
+    listed: list[Any] = [names] if isinstance(names, str) or not isinstance(names, Iterable) else [*names]
     for name in listed:
         if not isinstance(name, str):
             raise IdentificationError(
