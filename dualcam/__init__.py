@@ -34,7 +34,10 @@ if TYPE_CHECKING:
         design,
         design_file,
         export,
+        gradient,
+        gym,  # noqa: F401  not in __all__
         identification,
+        mujoco,  # noqa: F401
         plots,
         report,
         simulation,
@@ -54,6 +57,7 @@ if TYPE_CHECKING:
         DualcamError,
         DualcamWarning,
         ExportError,
+        FileError,
         FleetError,
         FmuError,
         IdentificationError,
@@ -95,6 +99,7 @@ __all__ = [
     "DualcamError",
     "DualcamWarning",
     "ExportError",
+    "FileError",
     "Fleet",
     "FleetError",
     "FleetState",
@@ -132,6 +137,7 @@ __all__ = [
     "export_fmu",
     "export_ssp",
     "fmu_path",
+    "gradient",
     "identification",
     "identify",
     "linearize",
@@ -160,6 +166,7 @@ _MODULE_OF = {
     "DualcamError": "errors",
     "DualcamWarning": "errors",
     "ExportError": "errors",
+    "FileError": "errors",
     "Fleet": "fleet",
     "FleetError": "errors",
     "FleetState": "fleet",
@@ -207,7 +214,10 @@ _MODULES = (
     "design",
     "design_file",
     "export",
+    "gradient",
+    "gym",  # needs the extra of its name, and so is not in __all__
     "identification",
+    "mujoco",  # as gym
     "plots",
     "report",
     "simulation",

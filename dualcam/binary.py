@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import _ctypes
 import ctypes
+import os
 import shutil
 import sys
 import tempfile
@@ -28,19 +29,35 @@ def interface_of(path: Path, description: ModelDescription, use: Use) -> Interfa
     return found
 
 
-def unpack(path: Path, fmi_major: int) -> Path:
-    """A new folder with the resources and this platform's binary. FmuError if these parts are damaged or
-    there is no room."""
-    wanted = ("resources/", *(f"binaries/{folder}/" for folder in binary_folders(fmi_major)))
-    folder = Path(tempfile.mkdtemp(prefix="dualcam_")).resolve()
-    try:
-        with zipfile.ZipFile(path) as archive:
-            archive.extractall(folder, [name for name in archive.namelist() if name.startswith(wanted)])
-        (folder / "resources").mkdir(exist_ok=True)
-    except Exception as error:  # zipfile's, zlib's and the system's
-        shutil.rmtree(folder, ignore_errors=True)
-        raise FmuError(f"{path} cannot be unpacked into {folder}: {error}") from error
-    return folder
+class Unpacked:
+    """A new folder with an FMU's resources and this platform's binary.
+
+    The folder belongs to the process that made it. A forked child has copies of its parent's open FMUs, which
+    leave the folder to the parent."""
+
+    def __init__(self, path: Path, fmi_major: int) -> None:
+        """FmuError if these parts of the FMU are damaged or there is no room."""
+        wanted = ("resources/", *(f"binaries/{folder}/" for folder in binary_folders(fmi_major)))
+        self._process = os.getpid()
+        self.folder = Path(tempfile.mkdtemp(prefix="dualcam_")).resolve()
+        try:
+            with zipfile.ZipFile(path) as archive:
+                names = [name for name in archive.namelist() if name.startswith(wanted)]
+                archive.extractall(self.folder, names)
+            (self.folder / "resources").mkdir(exist_ok=True)
+        except Exception as error:  # zipfile's, zlib's and the system's
+            self.delete()
+            raise FmuError(f"{path} cannot be unpacked into {self.folder}: {error}") from error
+
+    @property
+    def is_own(self) -> bool:
+        """Whether this process made the folder."""
+        return os.getpid() == self._process
+
+    def delete(self) -> None:
+        """Delete the folder, in the process that made it."""
+        if self.is_own:
+            shutil.rmtree(self.folder, ignore_errors=True)
 
 
 def library_file(path: Path, directory: Path, interface: Interface, fmi_major: int) -> Path:

@@ -9,6 +9,7 @@ import control
 import numpy as np
 from numpy.typing import ArrayLike
 
+from dualcam.arrays import positive_number, real_array
 from dualcam.errors import FmuError
 from dualcam.fmu import Fmu, RepeatedStart
 from dualcam.forward import (
@@ -111,6 +112,8 @@ def to_nonlinear_io_system(
     control.linearize of the continuous system is `dualcam.linearize`: exact, and an error at stick. For the
     sampled system it is python-control's own, by differences of whole steps.
 
+    Copies of a system share one FMU, whose whole state each call sets.
+
     Source of the equations: docs/mechanism.md, sections 3 and 6.
 
     Examples
@@ -124,9 +127,8 @@ def to_nonlinear_io_system(
     """
     names_in = selected_names(inputs, INPUTS, "input")
     if period is None:
-        if not (rest_speed > 0.0 and rest_time > 0.0):
-            raise FmuError(f"rest_speed = {rest_speed!r}, rest_time = {rest_time!r}: allowed is > 0")
-        return ContinuousCamSystem(source, names_in, outputs, parameters, rest_speed, rest_time, name)
+        speed, time = positive_number(rest_speed, "rest_speed"), positive_number(rest_time, "rest_time")
+        return ContinuousCamSystem(source, names_in, outputs, parameters, speed, time, name)
     return _sampled(source, names_in, outputs, parameters, checked_period(period), name)
 
 
@@ -197,10 +199,8 @@ class ContinuousCamSystem(control.NonlinearIOSystem):
                 "stop.restitution > 0: a bounce is an impulse, which no continuous right-hand side has;"
                 " allowed is 0, or any with a period, which makes a sampled system"
             )
-        self._fmu, self._inputs = fmu, _InputValues(inputs, fmu.parameters)
-        all_inputs = self._inputs.all_inputs
+        all_inputs = _InputValues(inputs, fmu.parameters).all_inputs
         names = _outputs(fmu, outputs)
-        self._names = inputs, names  # names in the FMU; those of the system can be changed
         needs_fmu = any(name not in STATES for name in names)
 
         def set_state(x: Array, u: Array) -> tuple[bool, bool]:
@@ -225,6 +225,12 @@ class ContinuousCamSystem(control.NonlinearIOSystem):
                 set_state(x, u)
             return _read(fmu, names, x)
 
+        def linear_model(x: Array, u: Array) -> control.StateSpace:
+            tau, F_ext = all_inputs(u)
+            return linearize(fmu, float(x[0]), float(x[1]), tau, F_ext, inputs=inputs, outputs=names)
+
+        # Copies of the system share the FMU, whose whole state each call sets: only functions refer to it.
+        self._linear_model = linear_model
         super().__init__(
             rates, output, inputs=inputs, outputs=_labels(names), states=list(STATES), name=name, dt=0
         )
@@ -244,12 +250,9 @@ class ContinuousCamSystem(control.NonlinearIOSystem):
         names."""
         if isinstance(x0, control.OperatingPoint):
             x0, u0 = x0.states, x0.inputs if u0 is None else u0
-        theta, omega = np.broadcast_to(np.asarray(x0, dtype=float), 2)
-        tau, F_ext = self._inputs.all_inputs(
-            np.broadcast_to(np.asarray(0.0 if u0 is None else u0, dtype=float), self.ninputs)
-        )
-        inputs, outputs = self._names
-        model = linearize(self._fmu, float(theta), float(omega), tau, F_ext, inputs=inputs, outputs=outputs)
+        x = np.broadcast_to(real_array(x0, "x0", FmuError), 2)
+        u = np.broadcast_to(real_array(0.0 if u0 is None else u0, "u0", FmuError), self.ninputs)
+        model = self._linear_model(x, u)
         model.update_names(**({"inputs": self.input_labels, "outputs": self.output_labels} | names))
         return model
 

@@ -8,9 +8,10 @@ from pathlib import Path
 
 from numpy.typing import ArrayLike
 
+from dualcam.arrays import number_of, real_array
+from dualcam.errors import FmuError
 from dualcam.handle import Handle
 from dualcam.model_description import Scalar
-from dualcam.reals import number_of, vector_of
 
 
 class ContinuousFmu(Handle):
@@ -89,7 +90,7 @@ class ContinuousFmu(Handle):
             theta [rad] and omega [rad/s] of the forward FMU.
         """
         self._instance.require_calls_allowed()
-        self._states[:] = vector_of(states, len(self._states), "states").tolist()
+        self._states[:] = real_array(states, "states", FmuError, (len(self._states),)).tolist()
         self._instance.set_states(self._states)
 
     def set_states_and_mode(self, states: ArrayLike) -> None:

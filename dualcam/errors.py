@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import errno
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     import numpy as np
     from numpy.typing import NDArray
 
@@ -15,6 +18,29 @@ class DualcamError(ValueError):
 
 class FmuError(DualcamError):
     """The FMU, or its handle, refuses a call."""
+
+
+class FileError(DualcamError, OSError):
+    """A file cannot be written. The message names the file, the system's reason and what would work.
+
+    Attributes
+    ----------
+    errno, strerror, filename
+        As those of an OSError.
+    """
+
+    def __init__(self, error: OSError, path: Path) -> None:
+        OSError.__init__(self, error.errno, error.strerror or str(error), str(path))
+
+    def __str__(self) -> str:
+        return f"{self.filename} cannot be written: {self.strerror}. {self._remedy()}"
+
+    def _remedy(self) -> str:
+        if self.errno in (errno.ENOENT, errno.ENOTDIR):
+            return "Make its folder first, or give another folder"
+        if self.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG):
+            return "Make room, or give another folder"
+        return "Give another folder, or check the rights of this one"
 
 
 class FleetError(FmuError):

@@ -19,11 +19,11 @@ from collections.abc import Mapping, Sequence
 
 from numpy.typing import ArrayLike
 
+from dualcam.arrays import Array, positive_number
 from dualcam.errors import FmuError
 from dualcam.handle import Handle, names_of
 from dualcam.instance import OK_OR_WARNING
 from dualcam.model_description import Scalar
-from dualcam.reals import Array, number_of
 
 __all__ = ["Array", "Fmu", "FmuError", "RepeatedStart", "Scalar"]
 
@@ -108,10 +108,8 @@ class Fmu(Handle):
             `size` is no finite number > 0, no run has begun, or the FMU refuses the step.
         """
         instance = self._instance
-        if type(size) is not float:
-            size = number_of(size, "step size", STEP_SIZES)
-        if not 0.0 < size < math.inf:
-            raise FmuError(f"step size = {size!r}: allowed is {STEP_SIZES}")
+        if type(size) is not float or not 0.0 < size < math.inf:
+            size = positive_number(size, "step size", STEP_SIZES)
         status = instance.do_step(instance.component, self._time, size, *instance.step_end)
         if status > OK_OR_WARNING:
             instance.check(status, instance.DO_STEP)

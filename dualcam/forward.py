@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TypeVar
 
+from dualcam.arrays import positive_number
 from dualcam.continuous_fmu import ContinuousFmu
 from dualcam.errors import FmuError
 from dualcam.handle import Handle
@@ -54,11 +54,7 @@ def selected_names(names: Names, allowed: Sequence[str], what: str) -> list[str]
 
 def checked_period(period: float) -> float:
     """`period` [s]; FmuError if it is no finite number > 0."""
-    if isinstance(period, bool) or not (math.isfinite(period) and period > 0.0):
-        raise FmuError(
-            f"period = {period!r}: allowed is a finite number > 0 in s, or None for continuous time"
-        )
-    return float(period)
+    return positive_number(period, "period", "a finite number > 0 in s, or None for continuous time")
 
 
 class CamAtState:

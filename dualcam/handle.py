@@ -15,14 +15,16 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike
 
+from dualcam.arrays import Array, number_of, real_array
 from dualcam.binary import Use
-from dualcam.errors import FmuError, UnknownVariableError
+from dualcam.errors import DualcamError, FmuError, UnknownVariableError
 from dualcam.fmi2 import Fmi2Instance
 from dualcam.fmi3 import Fmi3Instance
 from dualcam.instance import START_FAILED, Instance, References
 from dualcam.library import source_path
 from dualcam.model_description import Interface, Kind, Scalar, Variable, read_model_description
-from dualcam.reals import Array, Reals, number_of, vector_of
+from dualcam.process_bound import ProcessBound
+from dualcam.reals import Reals
 from dualcam.unit_guards import warn_units
 
 INSTANCES: dict[int, type[Instance]] = {2: Fmi2Instance, 3: Fmi3Instance}
@@ -31,8 +33,10 @@ OWN_NAMES = {"cam1.lead_angle", "cam2.lead_angle", "spring.stiffness"}  # only t
 NAMES_LISTED = 12  # most names in a message about an unknown variable
 
 
-class FmuState:
+class FmuState(ProcessBound):
     """The whole state of an instance, from `save_state`. The state is freed with the last reference to it."""
+
+    _instead = "restore it into its own FMU"
 
     def __init__(self, instance: Instance, address: int, time: float) -> None:
         self._instance, self._address, self._time = instance, address, time
@@ -42,7 +46,7 @@ class FmuState:
         return f"<FmuState at {self._time:g} s>"
 
 
-class Handle:
+class Handle(ProcessBound):
     """The common part of Fmu and ContinuousFmu.
 
     Attributes
@@ -56,6 +60,7 @@ class Handle:
     """
 
     _use: Use
+    _instead = "open a new one there from its `path`, and call start with its `parameters`"
 
     def __init__(self, source: str | Path, fmi: int | None = None) -> None:
         self.path = source_path(source, fmi)
@@ -332,7 +337,7 @@ class Handle:
         self._instance.require_calls_allowed()
         if not self.interface.provides_directional_derivatives:
             raise FmuError(f"{self.path} provides no directional derivatives")
-        direction = (c_double * len(knowns))(*vector_of(seed, len(knowns), "seed"))
+        direction = (c_double * len(knowns))(*real_array(seed, "seed", FmuError, (len(knowns),)))
         product = (c_double * len(unknowns))()
         self._instance.directional_derivative(rows, columns, direction, product)
         return np.array(product)
@@ -429,16 +434,14 @@ def suitable_value(variable: Variable, value: object) -> Scalar:
         if not np.isscalar(value) or value not in (0, 1):
             raise FmuError(f"{variable.name} = {value!r}: allowed are True and False")
         return bool(value)
+    if type(value) is int and variable.kind == "integer":  # a float does not hold all integers of 64 bits
+        return value
     try:
-        if isinstance(value, str):
-            raise TypeError
-        number = float(value)  # type: ignore[arg-type]
-    except (TypeError, ValueError):
+        number = float(real_array(value, variable.name, shape=()))  # type: ignore[arg-type]
+    except DualcamError:
         raise FmuError(f"{variable.name} = {value!r}: allowed is a number ({variable.type})") from None
     if variable.kind != "integer":
         return number
-    if isinstance(value, int):  # a float does not hold all integers of 64 bits
-        return value
     if not (math.isfinite(number) and number == int(number)):
         raise FmuError(f"{variable.name} = {value!r}: allowed are whole numbers")
     return int(number)

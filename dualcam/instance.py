@@ -7,7 +7,6 @@ of Instance alone.
 from __future__ import annotations
 
 import ctypes
-import shutil
 from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Callable, Sequence
@@ -16,7 +15,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any, ClassVar, Literal, NoReturn
 
-from dualcam.binary import Use, interface_of, library_file, load, unload, unpack
+from dualcam.binary import Unpacked, Use, interface_of, library_file, load, unload
 from dualcam.errors import FmuError
 from dualcam.model_description import ModelDescription, Scalar, Variable
 
@@ -63,7 +62,8 @@ class Instance(ABC):
         self.refusal = CALL_START
         self._refuse_fast_calls()
         interface = interface_of(path, description, use)
-        self.directory = unpack(path, description.fmi_major)
+        self._unpacked = Unpacked(path, description.fmi_major)
+        self.directory = self._unpacked.folder
         try:
             self._open(path, library_file(path, self.directory, interface, description.fmi_major))
             try:
@@ -72,7 +72,7 @@ class Instance(ABC):
                 self._unload()
                 raise
         except BaseException:
-            shutil.rmtree(self.directory, ignore_errors=True)
+            self._unpacked.delete()
             raise
         self.is_open = True
 
@@ -154,7 +154,10 @@ class Instance(ABC):
             raise FmuError(text)
 
     def free(self) -> None:
-        """Free the instance and the unpacked files, once."""
+        """Free the instance and the unpacked files, once. A forked child only forgets its copy, of which
+        threads of the FMU are in the parent alone."""
+        if not self._unpacked.is_own:
+            self.abandon()
         if not self.is_open:
             return
         for address in list(self.states):
@@ -164,7 +167,7 @@ class Instance(ABC):
         free.restype = None
         free(self.component)
         self._unload()
-        shutil.rmtree(self.directory, ignore_errors=True)
+        self._unpacked.delete()
 
     def abandon(self) -> None:
         """After FMI's status Fatal no function may be called, not even to free the instance: its memory is
@@ -172,7 +175,7 @@ class Instance(ABC):
         if self.is_open:
             self.states.clear()
             self._close()
-            shutil.rmtree(self.directory, ignore_errors=True)
+            self._unpacked.delete()
 
     def _close(self) -> None:
         self.is_open = False

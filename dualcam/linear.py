@@ -10,6 +10,7 @@ from typing import Literal
 import control
 import numpy as np
 
+from dualcam.arrays import number_of
 from dualcam.errors import FmuError
 from dualcam.forward import (
     INPUTS,
@@ -140,9 +141,11 @@ def linearize(
     """
     names_in, names_out = selected_names(inputs, INPUTS, "input"), selected_names(outputs, OUTPUTS, "output")
     sampling = None if period is None else checked_period(period)
+    theta, omega = number_of(theta, "theta"), number_of(omega, "omega")
+    tau = None if tau is None else number_of(tau, "tau")
     cam = CamAtState(source, parameters)
     try:
-        force = float(cam.fmu.parameters.get("F_ext", 0.0)) if F_ext is None else F_ext
+        force = number_of(cam.fmu.parameters.get("F_ext", 0.0) if F_ext is None else F_ext, "F_ext")
         point = _go_to_operating_point(cam, theta, omega, tau, force, at_rest)
         model = _model(cam, point, names_in, names_out)
     finally:

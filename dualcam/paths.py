@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from difflib import get_close_matches
 from pathlib import Path
 
-from dualcam.errors import DualcamError
+from dualcam.errors import DualcamError, FileError
 
 
 def path_of(path: object, what: str) -> Path:
@@ -39,7 +39,7 @@ def whole_file(path: Path) -> Iterator[Path]:
     """The name of a file to be written, which becomes `path` at the end of the `with` block.
 
     Where the block fails, for example on a full disk, nothing is left of the new file, and a file of that
-    name stays as it was. OSError with `path` as its file name. A device such as /dev/stdout is written
+    name stays as it was. FileError where the system refuses. A device such as /dev/stdout is written
     directly."""
     target = path.resolve()
     is_device = target.exists() and not target.is_file()
@@ -49,15 +49,13 @@ def whole_file(path: Path) -> Iterator[Path]:
         if not is_device:
             unfinished.replace(target)
     except OSError as error:
-        if error.errno is None:
-            raise
-        raise OSError(error.errno, os.strerror(error.errno), str(path)) from error
+        raise FileError(error, path) from error
     finally:
         if not is_device:
             unfinished.unlink(missing_ok=True)
 
 
 def write_text(path: Path, text: str) -> None:
-    """Write a whole file in UTF-8, or none."""
+    """Write a whole file in UTF-8, or none. FileError where the system refuses."""
     with whole_file(path) as unfinished:
         unfinished.write_text(text, encoding="utf-8")

@@ -3,20 +3,21 @@ into the FMU and allocates only the returned floats."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from ctypes import c_double
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from dualcam.arrays import Array, real_array
 from dualcam.errors import FmuError
 from dualcam.instance import OK_OR_WARNING, Instance, References
+from dualcam.process_bound import ProcessBound
 
-Array = NDArray[np.float64]
+__all__ = ["Array", "Reals"]
 
 
-class Reals:
+class Reals(ProcessBound):
     """A fixed group of n real variables with its own buffer, from `Fmu.reals`.
 
     Attributes
@@ -41,6 +42,8 @@ class Reals:
     (0.9179, 0.0092)
     """
 
+    _instead = "make a group of its `names` with the FMU there: fmu.reals(*names)"
+
     def __init__(self, instance: Instance, names: Sequence[str], references: References) -> None:
         self.names = tuple(names)
         self._values = np.zeros(len(names))
@@ -63,7 +66,7 @@ class Reals:
     @values.setter
     def values(self, new: ArrayLike) -> None:
         self._instance.require_open()
-        self._values[:] = vector_of(new, len(self.names), "values")
+        self._values[:] = real_array(new, "values", FmuError, self._values.shape)
 
     def read(self) -> list[float]:
         """Fetch the group from the FMU into `values`.
@@ -137,7 +140,8 @@ class Reals:
             of inputs), or no run has begun.
         """
         self._instance.require_calls_allowed()
-        derivatives = (c_double * len(self.names))(*vector_of(values, len(self.names), "values"))
+        given = real_array(values, "values", FmuError, self._values.shape)
+        derivatives = (c_double * len(self.names))(*given)
         self._instance.set_input_derivatives(self._references, _order(order), derivatives)
 
 
@@ -145,27 +149,3 @@ def _order(order: int) -> int:
     if type(order) is not int or order not in (1, 2, 3):
         raise FmuError(f"derivative of order {order!r}: allowed are 1, 2 and, of inputs, 3")
     return order
-
-
-def vector_of(values: ArrayLike, count: int, name: str) -> Array:
-    """`values` as an array of shape (count,). FmuError for another shape, and for what is no number."""
-    try:
-        vector = np.ascontiguousarray(values, dtype=float)
-    except (TypeError, ValueError):
-        raise FmuError(f"{name} = {values!r}: allowed are {count} numbers") from None
-    if np.shape(values) != (count,):
-        raise FmuError(f"{name} has shape {np.shape(values)}: allowed is ({count},), one per variable")
-    return vector
-
-
-def number_of(value: object, name: str, allowed: str = "a finite number") -> float:
-    """`value` as a finite number. FmuError for text, None and anything else that is no such number."""
-    try:
-        if isinstance(value, str):
-            raise TypeError
-        number = float(value)  # type: ignore[arg-type]
-    except (TypeError, ValueError, OverflowError):
-        number = math.nan
-    if not math.isfinite(number):
-        raise FmuError(f"{name} = {value!r}: allowed is {allowed}")
-    return number

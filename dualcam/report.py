@@ -73,6 +73,8 @@ def write_report(design: DesignSource, path: str | Path) -> Path:
     ------
     DualcamError
         For another ending than .html. A design that does not work is no error: the report says why.
+    FileError
+        The system refuses to write the file.
 
     Examples
     --------

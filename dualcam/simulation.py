@@ -116,6 +116,8 @@ class Trajectory:
         ------
         DualcamError
             For another ending than .csv or .parquet, or where pyarrow is missing for Parquet.
+        FileError
+            The system refuses to write the file.
         """
         path = path_of(path, "the table of samples")
         suffix = checked_format(path)

@@ -306,10 +306,10 @@ def export_ssp(design: DesignSource, path: str | Path, step: float = 1e-3, *, po
     ...     export_ssp(design, Path(folder) / "MyCam.ssp").name
     'MyCam.ssp'
     """
+    from dualcam.arrays import number_of
     from dualcam.design_file import as_design
     from dualcam.export import export_fmu
     from dualcam.fmu import STEP_SIZES
-    from dualcam.reals import number_of
 
     design, path = as_design(design), path_of(path, "the package")
     if not number_of(step, "step", STEP_SIZES) > 0.0:

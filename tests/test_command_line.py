@@ -553,7 +553,7 @@ def test_a_design_that_the_fmu_refuses_is_refused_in_the_words_of_check(folder, 
 @pytest.mark.parametrize("command", ["view", "report"])
 def test_a_folder_in_which_no_file_can_be_made_is_named(design, capsys, command):
     said = spoken(capsys, command, "my.toml", "-o", "/proc/x.html", code=1).err
-    assert "/proc/x.html cannot be opened" in said and "another folder" in said and "Errno" not in said
+    assert "/proc/x.html cannot be written" in said and "another folder" in said and "Errno" not in said
 
 
 def test_the_findings_of_a_refused_file_are_data(folder, capsys):

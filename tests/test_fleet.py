@@ -3,7 +3,6 @@
 import gc
 import math
 import threading
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -199,20 +198,92 @@ def test_a_state_of_another_fleet_is_refused():
 # ---- failures ----
 
 
-def test_an_instance_that_fails_is_left_alone_and_the_others_go_on():
+REFUSED = {
+    "one of many": ("cam1.friction", [0.1, -1.0, 0.2], (1,), "instance 1: .*cam1.friction = -1"),
+    "not a number": ("tau", math.nan, (0, 1, 2), "tau = nan"),
+    "fixed": ("inertia.shaft", 0.1, (0, 1, 2), "inertia.shaft is fixed"),
+}
+
+
+@pytest.mark.parametrize("wrong", REFUSED)
+@pytest.mark.parametrize("threads", [1, 3])
+def test_a_refused_value_changes_nothing(wrong, threads):
+    name, values, instances, mention = REFUSED[wrong]
+    u = history(3, 40)
+    with Fleet(FORWARD, 3, parameters=LIGHT, threads=threads) as fleet:
+        expected = fleet.rollout(u, STEP)
+        fleet.reset()
+        first = fleet.rollout(u[:, :20].copy(), STEP)
+        with refused(mention, "no instance has changed", error=FleetError) as found:
+            fleet.set(name, values)
+        assert found.value.instances == instances
+        assert not fleet.failed.any()
+        assert np.array_equal(np.hstack([first, fleet.rollout(u[:, 20:].copy(), STEP)]), expected)
+
+
+def test_a_refused_reset_changes_nothing():
     u = np.full((3, 1), 6.0)
     with Fleet(FORWARD, 3, parameters=LIGHT) as fleet:
-        with refused("instance 1: .*cam1.friction", error=FleetError) as found:
-            fleet.set("cam1.friction", [0.1, -1.0, 0.2])
-        assert found.value.instances == (1,)
-        assert "cam1.friction" in found.value.reasons[1]
+        fleet.step(u, STEP)
+        theta = fleet.get("theta")
+        with refused("instance 2: .*cam1.radius", "no instance has changed", error=FleetError):
+            fleet.reset(parameters={"cam1.radius": [0.02, 0.03, -1.0], "initial.theta": 0.4})
+        assert np.array_equal(fleet.get("theta"), theta) and fleet.times.tolist() == [STEP] * 3
+        fleet.reset()  # with the earlier start values
+        assert fleet.get("theta").tolist() == [0.0, 0.0, 0.0]
+        assert fleet.get("cam1.radius").tolist() == [0.02, 0.02, 0.02]
+
+
+def failing_fleet(count):
+    """A fleet in which a step fails where the instance's friction is negative."""
+    return Fleet(FORWARD, count, inputs=["tau", "cam1.friction"], parameters=LIGHT)
+
+
+def test_a_loop_goes_on_without_the_instance_that_fails():
+    """Its angle is NaN, and so is the torque that a controller makes of it."""
+    state, reports, target = np.zeros((3, 2)), [], 0.6  # rad
+    with failing_fleet(3) as fleet:
+        for period in range(400):
+            torque = 4.0 + 20.0 * (target - state[:, 0]) - 0.8 * state[:, 1]  # N.m
+            friction = np.full(3, 0.14)
+            friction[1] = -1.0 if period == 50 else 0.14
+            try:
+                state = fleet.step(np.column_stack([torque, friction]), STEP)
+            except FleetError as error:
+                reports.append((period, error.instances))
+                state = error.outputs
+        assert reports == [(50, (1,))]
         assert fleet.failed.tolist() == [False, True, False]
-        after = fleet.step(u, STEP)
-        assert np.isnan(after[1]).all() and np.isfinite(after[[0, 2]]).all()
-        assert math.isnan(fleet.get("theta")[1])
+        assert np.isnan(state[1]).all() and math.isnan(fleet.get("theta")[1])
+        assert np.allclose(state[[0, 2], 0], target, atol=0.1)  # friction leaves an error
+        assert np.array_equal(state[0], state[2])
         fleet.reset([1])
         assert not fleet.failed.any()
-        assert np.isfinite(fleet.step(u, STEP)).all()
+        assert np.isfinite(fleet.step(np.full((3, 2), 0.14), STEP)).all()
+
+
+def test_an_instance_that_goes_on_gets_no_torque_that_is_not_finite():
+    with failing_fleet(3) as fleet:
+        with pytest.raises(FleetError):
+            fleet.step([[5.0, 0.14], [5.0, -1.0], [5.0, 0.14]], STEP)
+        with refused("tau of instance 2 = nan: .*no instance was stepped"):
+            fleet.step([[5.0, 0.14], [math.nan, 0.14], [math.nan, 0.14]], STEP)
+        assert fleet.times.tolist() == [STEP, 0.0, STEP]
+
+
+def test_a_fleet_without_an_instance_that_works_says_so():
+    with failing_fleet(2) as fleet:
+        u = np.full((2, 2), -1.0)
+        with refused("2 of 2 instances failed", error=FleetError):
+            fleet.step(u, STEP)
+        with refused("all instances have failed", "reset or restore", error=FleetError) as found:
+            fleet.step(u, STEP)
+        assert found.value.instances == (0, 1) and np.isnan(found.value.outputs).all()
+        with refused("no instance has changed", error=FleetError):
+            fleet.reset(parameters={"cam1.radius": [0.02, -1.0]})
+        assert fleet.failed.all()
+        fleet.reset()
+        assert np.isfinite(fleet.step(np.full((2, 2), 0.14), STEP)).all()
 
 
 def test_an_fmu_that_fails_in_one_instance(decay):
@@ -394,7 +465,7 @@ def test_a_closed_fleet():
 
 def test_a_dropped_fleet_removes_its_files():
     fleet = Fleet(FORWARD, 2)
-    folder = Path(fleet._core._directory)
+    folder = fleet._core._unpacked.folder
     assert folder.is_dir()
     del fleet
     gc.collect()

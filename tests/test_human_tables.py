@@ -239,7 +239,7 @@ FRICTIONS = {
 def test_friction(file, name):
     table = read_friction_table(file(FRICTIONS[name]))
     assert table.by_load == [[(0.0, 0.0, 0.2), (0.01, 0.0, 0.15), (0.1, 0.0, 0.12)]]
-    assert table.static == 0.2 and table.is_fmu_format == (name == "FMU")
+    assert table.static_samples[1][0] == 0.2 and table.is_fmu_format == (name == "FMU")
     assert table.fmu_text() == FRICTIONS["FMU"].replace("\n0,", "\n0.0,")
 
 

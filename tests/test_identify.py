@@ -476,7 +476,7 @@ def test_arrays_that_are_wrong_are_refused():
         (time[:5], time, "theta has 5 samples, time has 30"),
         (np.where(time == 3, np.nan, time), time, "sample 3: theta = nan"),
         (time.reshape(5, 6), time, "shape"),
-        ("angle", time, "allowed is an array of numbers"),
+        ("angle", time, "theta has elements of type text"),
     ):
         with pytest.raises(IdentificationError, match=message):
             Recording.from_arrays(time, theta, tau)
@@ -486,6 +486,8 @@ REQUESTS = {
     "unknown": (["frictoin"], {}, "'frictoin' cannot be fitted: did you mean friction"),
     "none": ([], {}, "no parameter to fit"),
     "twice": (["friction", "cam1.friction"], {}, "friction and cam1.friction both set cam1.friction"),
+    "number": ([1], {}, "fit: 1 is no name: allowed are texts"),
+    "no list": (1, {}, "fit: 1 is no name"),
     "same": (["friction", "friction"], {}, "friction is given twice: give friction once"),
     "spaces": (["friction spring.preload"], {}, "separate the names by commas, friction,spring.preload"),
     "ellipse": (["cam1.ellipse_a"], {}, 'acts for cam1.profile = "ellipse" only'),

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import difflib
-import errno
 import sys
 import warnings
 from collections.abc import Sequence
@@ -107,7 +106,7 @@ def _refuse(error: Exception, as_json: bool) -> int:
 
     if not isinstance(error, DualcamError | OSError):
         raise error
-    text = _of_the_system(error) if isinstance(error, OSError) else str(error)
+    text = str(error) if isinstance(error, DualcamError) else _of_the_system(error)
     if as_json:
         from dualcam.cli.output import print_json
 
@@ -122,8 +121,6 @@ def _of_the_system(error: OSError) -> str:
     """The file that the system refuses, and the system's reason."""
     if error.filename is None:
         return str(error)
-    if error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG):
-        return f"{error.filename} cannot be written: {error.strerror}. Make room, or give another folder"
     return (
         f"{error.filename} cannot be opened: {error.strerror}. Give another folder, or check the rights of"
         " this one"

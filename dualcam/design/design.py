@@ -7,9 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from dualcam.arrays import real_array
 from dualcam.design.grooves import Table
 from dualcam.design.mechanism import POINTS, Mechanism
-from dualcam.design.statics import Array
+from dualcam.design.statics import Array, DesignError
 from dualcam.design.torque import Torque
 from dualcam.design.torque_band import TorqueBand, span, torque_band
 
@@ -75,7 +76,7 @@ class Design:
         ndarray
             Error [1], of the shape of `theta`. Wanted torques below 1/1000 of the largest count as that much.
         """
-        theta = np.asarray(theta, dtype=float)
+        theta = real_array(theta, "theta", DesignError)
         largest = np.max(np.abs(self.wanted(np.linspace(0.0, self.mechanism.upper, 400))))
         scale = np.maximum(np.abs(self.wanted(theta)), SMALL * largest)
         return (self.torque(theta) - self.wanted(theta)) / scale

@@ -16,6 +16,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from dualcam.arrays import real_array
 from dualcam.common.tables import GROOVE_HEADER, fmu_text
 from dualcam.design.groove_files import read_groove
 from dualcam.design.statics import Array, DesignError
@@ -145,7 +146,7 @@ class Helix:
         return -math.inf, math.inf
 
     def at(self, psi: ArrayLike) -> Point:
-        angle = np.asarray(psi, dtype=float)
+        angle = real_array(psi, "psi", DesignError)
         gain = self.radius * math.tan(self.lead_angle)
         return Point(gain * angle, np.full(angle.shape, gain), np.zeros(angle.shape))
 
@@ -248,7 +249,7 @@ class Ellipse:
         return min(ends), max(ends)
 
     def at(self, psi: ArrayLike) -> Point:
-        angle = np.clip(np.asarray(psi, dtype=float), *self.range)
+        angle = np.clip(real_array(psi, "psi", DesignError), *self.range)
         return ellipse_law(angle, self.radius, self._start, self.a, self.b, self.bending)
 
     def parameters(self) -> dict[str, float | int]:
@@ -274,7 +275,7 @@ class Table:
 
     def __post_init__(self) -> None:
         _check_radius(self.radius)
-        psi, z = (np.asarray(values, dtype=float) for values in (self.psi, self.z))
+        psi, z = real_array(self.psi, "psi", DesignError), real_array(self.z, "z", DesignError)
         if psi.ndim != 1 or psi.shape != z.shape or len(psi) < 4:
             raise DesignError(f"samples of shapes {psi.shape} and {z.shape}: allowed are (n,) twice, n >= 4")
         if not (np.isfinite(psi).all() and np.isfinite(z).all() and (np.diff(psi) > 0.0).all()):
@@ -405,7 +406,7 @@ class Table:
         return Point(self.z[j] + width * rise, np.asarray(slope), np.asarray(second))
 
     def at(self, psi: ArrayLike) -> Point:
-        point = self._curve(np.clip(np.asarray(psi, dtype=float), *self.range))
+        point = self._curve(np.clip(real_array(psi, "psi", DesignError), *self.range))
         return point._replace(z=point.z - self._origin)
 
     def parameters(self) -> dict[str, float | int]:

@@ -22,6 +22,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from dualcam.arrays import real_array
 from dualcam.design.statics import Array, DesignError, check_numbers
 from dualcam.unit_guards import warn_units
 
@@ -115,7 +116,7 @@ def hertz_pressure(load: ArrayLike, pin: Pin, curvature: ArrayLike = 0.0) -> Arr
     """
     radius = relative_radius(pin, curvature)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        square = np.asarray(load, dtype=float) / pin.width * pin.contact_modulus / (math.pi * radius)
+        square = real_array(load, "load", DesignError) / pin.width * pin.contact_modulus / (math.pi * radius)
         return np.where(radius > 0.0, np.sqrt(square), np.inf)
 
 
@@ -168,7 +169,7 @@ def relative_radius(pin: Pin, curvature: ArrayLike = 0.0) -> Array:
     >>> [round(1e3 * float(relative_radius(pin, bend)), 3) for bend in (0.0, 20.0, -20.0)]  # mm
     [3.0, 3.18, 2.82]
     """
-    return np.asarray(pin.radius * (1.0 + pin.radius * np.asarray(curvature, dtype=float)))
+    return np.asarray(pin.radius * (1.0 + pin.radius * real_array(curvature, "curvature", DesignError)))
 
 
 def line_contact(load: ArrayLike, pin: Pin, curvature: ArrayLike = 0.0) -> LineContact:
@@ -208,12 +209,7 @@ def line_contact(load: ArrayLike, pin: Pin, curvature: ArrayLike = 0.0) -> LineC
     >>> round(float(contact.shear) / 1e6), round(1e6 * float(contact.depth), 1)  # MPa, um
     (235, 32.0)
     """
-    try:
-        force = np.asarray(load).astype(float, casting="safe")
-    except (TypeError, ValueError):  # text, too
-        raise DesignError(
-            f"load = {load!r:.60}: allowed are finite forces >= 0 in N, such as 400.0"
-        ) from None
+    force = real_array(load, "load [N]", DesignError)
     if not (np.isfinite(force) & (force >= 0.0)).all():
         raise DesignError(f"load = {force}: allowed are finite forces >= 0 in N")
     radius = np.maximum(relative_radius(pin, curvature), 0.0)
@@ -249,5 +245,5 @@ def shear_below(depth: ArrayLike, half_width: float, pressure: float) -> Array:
     >>> float(shear_below(0.786e-4, 1e-4, 1e9).round(-6)) / 1e6  # MPa: 0.30 of 1000 MPa at 0.786 a
     300.0
     """
-    u = np.asarray(depth, dtype=float) / half_width
+    u = real_array(depth, "depth", DesignError) / half_width
     return np.asarray(pressure * u * (1.0 - u / np.sqrt(1.0 + u**2)))

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from dualcam.arrays import real_array
 from dualcam.design.grooves import Groove, Table, both_parameters, curvature
 from dualcam.design.load_law import LoadLaw, friction_under
 from dualcam.design.statics import Array, DesignError, Pair, band, sign_of, transfer
@@ -63,7 +64,7 @@ class Spring:
         ndarray
             Force [N], of the shape of `z`.
         """
-        z = np.asarray(z, dtype=float)
+        z = real_array(z, "z", DesignError)
         return self.preload + z * (self.stiffness + z * (self.stiffness2 + z * self.stiffness3))
 
     def energy(self, z: ArrayLike) -> Array:
@@ -79,7 +80,7 @@ class Spring:
         ndarray
             Energy [J], of the shape of `z`.
         """
-        z = np.asarray(z, dtype=float)
+        z = real_array(z, "z", DesignError)
         thirds = self.stiffness2 / 3.0 + z * self.stiffness3 / 4.0
         return z * (self.preload + z * (0.5 * self.stiffness + z * thirds))
 
@@ -233,7 +234,7 @@ class Mechanism:
         -------
         Configuration
         """
-        theta = np.asarray(theta, dtype=float)
+        theta = real_array(theta, "theta", DesignError)
         first, second = self.grooves
         gamma = 0.5 * theta if first is second else meeting(first, second, theta)
         one, two = first.at(gamma), second.at(theta - gamma)

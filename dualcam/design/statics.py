@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from dualcam.arrays import real_array
 from dualcam.errors import DesignError
 
 if TYPE_CHECKING:
@@ -263,10 +264,12 @@ def efficiency(lead_angle: Pair, friction: Pair, radius: Pair = (1.0, 1.0)) -> A
         ("radius", radius, lambda values: values > 0.0),
     ):
         for i, values in enumerate(pair):
-            if not (np.isfinite(values) & good(np.asarray(values))).all():
+            found = real_array(values, f"{name}[{i}]", DesignError)
+            if not (np.isfinite(found) & good(found)).all():
                 low = "0" if name == "friction" else "more than 0"
                 raise DesignError(f"{name}[{i}] = {values}: allowed are finite numbers from {low} on")
-    slope = [np.asarray(r) * np.tan(np.asarray(angle)) for r, angle in zip(radius, lead_angle, strict=True)]
+    angles = [real_array(angle, f"lead_angle[{i}]", DesignError) for i, angle in enumerate(lead_angle)]
+    slope = [np.asarray(r) * np.tan(angle) for r, angle in zip(radius, angles, strict=True)]
     release, load = band_factors(slope, friction, radius)
     with np.errstate(invalid="ignore", divide="ignore"):
         return np.asarray(release / load)

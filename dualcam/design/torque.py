@@ -9,6 +9,7 @@ from numbers import Real
 import numpy as np
 from numpy.typing import ArrayLike
 
+from dualcam.arrays import real_array
 from dualcam.design.statics import Array, DesignError
 
 Torque = Callable[[Array], Array]  # N.m, at theta [rad], of the shape of theta
@@ -45,7 +46,7 @@ def wanted_torque(torque: WantedTorque, angles: Array) -> Torque:
     array([5., 5.])
     """
     if isinstance(torque, Real) and not isinstance(torque, bool):
-        return _constant(float(torque))
+        return _constant(float(real_array(torque, "torque", DesignError)))
     if callable(torque):
         return _function(torque, angles)
     return _samples(torque, float(angles[-1]))  # type: ignore[arg-type]
@@ -86,13 +87,15 @@ def _function(torque: Torque, angles: Array) -> Torque:
 def _samples(torque: tuple[ArrayLike, ArrayLike], upper: float) -> Torque:
     """A spline through samples (theta, torque)."""
     try:
-        theta, value = (np.asarray(samples, dtype=float) for samples in torque)
+        theta, value = torque
     except (TypeError, ValueError):
         raise DesignError(
             f"torque = {torque!r:.60}: allowed is a number [N.m], a function of theta [rad], or samples"
             " (theta, torque), two arrays of numbers"
         ) from None
-    return _spline(theta, value, upper)
+    return _spline(
+        real_array(theta, "torque: theta", DesignError), real_array(value, "torque", DesignError), upper
+    )
 
 
 def _spline(angle: Array, value: Array, upper: float) -> Torque:

@@ -5,20 +5,15 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from dualcam.arrays import Array, positive_number
 from dualcam.errors import FmuError
-from dualcam.reals import Array, number_of
 
 TOLERANCES = "a finite number > 0, or None"
 
 
 def relative_tolerance(tolerance: float | None) -> float:
     """The tolerance as the C loop takes it: 0 for the FMU's default."""
-    if tolerance is None:
-        return 0.0
-    relative = number_of(tolerance, "tolerance", TOLERANCES)
-    if relative <= 0.0:
-        raise FmuError(f"tolerance = {tolerance!r}: allowed is {TOLERANCES}")
-    return relative
+    return 0.0 if tolerance is None else positive_number(tolerance, "tolerance", TOLERANCES)
 
 
 def chosen_instances(instances: ArrayLike | None, count: int) -> NDArray[np.uint8]:
@@ -48,23 +43,8 @@ def whole_number(value: object, name: str, allowed: str, most: float) -> int:
     return number
 
 
-def numbers_of(u: ArrayLike, shape: tuple[int, ...]) -> Array:
-    """`u` as a C-contiguous array of float64; the same array where `u` is one."""
-    if type(u) is np.ndarray and u.dtype == np.float64 and u.shape == shape and u.flags.c_contiguous:
-        return u
-    try:
-        given = np.asarray(u)
-    except ValueError:  # rows of different lengths
-        given = np.asarray(None)
-    if given.dtype.kind not in "fiu":
-        raise FmuError(f"u has elements of type {given.dtype}: allowed are real numbers, shape {shape}")
-    if given.shape != shape:
-        raise FmuError(f"u has shape {given.shape}: allowed is {shape}")
-    return np.ascontiguousarray(given, np.float64)
-
-
 def steps_of(u: ArrayLike) -> int:
-    """The number of steps in a history of inputs; 1 where `u` is none, which `numbers_of` refuses."""
+    """The number of steps in a history of inputs; 1 where `u` is none, which `real_array` refuses."""
     try:
         shape = np.shape(u)
     except ValueError:  # rows of different lengths

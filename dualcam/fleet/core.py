@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ctypes
-import shutil
 import threading
 from ctypes import POINTER, byref
 from pathlib import Path
@@ -12,13 +11,24 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dualcam.binary import interface_of, library_file, load, unload, unpack
+from dualcam.binary import Unpacked, interface_of, library_file, load, unload
 from dualcam.errors import FleetError, FmuError
-from dualcam.fleet.native import FATAL, NOT_FINITE, Experiment, Report, address, functions_of, native
+from dualcam.fleet.native import (
+    ALL_FAILED,
+    FATAL,
+    NOT_FINITE,
+    Experiment,
+    Report,
+    address,
+    functions_of,
+    native,
+)
 from dualcam.model_description import ModelDescription
 
 CLOSED = "this fleet is closed: open a new one"
 BUSY = "this fleet is at work in another thread: one call at a time"
+CUT_OFF = "this fleet was at work in another thread when this process was forked: open a new one"
+NONE_LEFT = "all instances have failed: bring them back by reset or restore"
 LOST = "the FMU returned fmi2Fatal: FMI allows no further call of this FMU in this process"
 REASONS_TOLD = 3  # in a message
 
@@ -46,15 +56,16 @@ class Core:
         self._lock = threading.Lock()
         self._native = native()
         interface = interface_of(path, description, "co-simulation")
-        self._directory = unpack(path, description.fmi_major)
+        self._unpacked = Unpacked(path, description.fmi_major)
         self._library: ctypes.CDLL | None = None
         try:
-            file = library_file(path, self._directory, interface, description.fmi_major)
+            folder = self._unpacked.folder
+            file = library_file(path, folder, interface, description.fmi_major)
             self._library = load(ctypes.CDLL, path, file)
             self._experiment = Experiment(
                 description.model_name.encode(),
                 description.guid.encode(),
-                (self._directory / "resources").as_uri().encode(),
+                (folder / "resources").as_uri().encode(),
                 time,
                 tolerance,
             )
@@ -72,7 +83,11 @@ class Core:
         return self._handle is not None
 
     def close(self) -> None:
-        """Free all instances and the unpacked files, once. Waits for a call of another thread."""
+        """Free all instances and the unpacked files, once. Waits for a call of another thread. A forked child
+        only forgets its copy: the threads are in the parent alone."""
+        if not self._unpacked.is_own:
+            self._handle = None
+            return
         with self._lock:
             if self._handle is not None:
                 for key in list(self._states):
@@ -82,14 +97,14 @@ class Core:
         if self._library is not None:
             unload(self._library._handle)
             self._library = None
-        shutil.rmtree(self._directory, ignore_errors=True)
+        self._unpacked.delete()
 
     def call(self, name: str, *arguments: object) -> None:
         """A function of fleet.h. FleetError where instances fail, FmuError where the fleet is closed."""
         if self._handle is None:
             raise FmuError(CLOSED)
         if not self._lock.acquire(False):
-            raise FmuError(BUSY)
+            raise FmuError(BUSY if self._unpacked.is_own else CUT_OFF)
         try:
             failures = getattr(self._native, name)(self._handle, *arguments)
             if failures:
@@ -120,6 +135,8 @@ class Core:
             raise FmuError(LOST)
         if failures == NOT_FINITE:
             raise NotFiniteError
+        if failures == ALL_FAILED:
+            raise FleetError(NONE_LEFT, tuple(range(self.count)))
         if failures == 0:
             return
         reports = POINTER(Report)()

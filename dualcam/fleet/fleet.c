@@ -319,12 +319,22 @@ static bool are_finite(const double *values, size_t count) {
     return !has_other;
 }
 
+/* `width` inputs of each instance; those of instances that have failed are not used. */
+static bool can_use(const Fleet *fleet, const double *inputs, size_t width) {
+    if (are_finite(inputs, fleet->count * width)) return true;
+    for (size_t i = 0; i < fleet->count; i++)
+        if (!fleet->slots[i].has_failed && !are_finite(inputs + i * width, width)) return false;
+    return true;
+}
+
 long fleet_roll(Fleet *fleet, const FleetPorts *ports, const double *inputs, size_t steps, double size,
                 double *outputs) {
-    if (!are_finite(inputs, fleet->count * steps * ports->input_count)) return FLEET_NOT_FINITE;
+    if (!can_use(fleet, inputs, steps * ports->input_count)) return FLEET_NOT_FINITE;
     blank_failed(fleet, steps * ports->output_count, outputs);
     Roll roll = {.ports = *ports, .inputs = inputs, .outputs = outputs, .steps = steps, .size = size};
-    return finish(fleet, (Call){.fleet = fleet, .job = roll_one, .arguments = &roll, .work_of_one = steps});
+    long failures = finish(fleet, (Call){.fleet = fleet, .job = roll_one, .arguments = &roll, .work_of_one = steps});
+    bool had_all_failed = failures == 0 && atomic_load(&fleet->failed_instances) == fleet->count;
+    return had_all_failed ? FLEET_ALL_FAILED : failures;
 }
 
 /* ---- states ---- */
@@ -375,12 +385,6 @@ long fleet_free_states(Fleet *fleet, fmi2FMUstate *states) {
 }
 
 /* ---- what a caller can ask ---- */
-
-size_t fleet_first_not_finite(const double *values, size_t count) {
-    for (size_t k = 0; k < count; k++)
-        if (!isfinite(values[k])) return k;
-    return count;
-}
 
 void fleet_failed(const Fleet *fleet, uint8_t *failed) {
     for (size_t i = 0; i < fleet->count; i++) failed[i] = fleet->slots[i].has_failed;

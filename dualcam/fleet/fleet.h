@@ -20,8 +20,9 @@
 enum { FLEET_TEXT = 512, FLEET_REPORTS = 16 };
 
 /* What the functions of a fleet return instead of a number of instances: a call returned fmi2Fatal, after which FMI
- * allows no further call; an input is not finite, and no instance was stepped. */
-enum { FLEET_FATAL = -1, FLEET_NOT_FINITE = -2 };
+ * allows no further call; an input of an instance that has not failed is not finite, and no instance was stepped; all
+ * instances have failed, and none is left to step. */
+enum { FLEET_FATAL = -1, FLEET_NOT_FINITE = -2, FLEET_ALL_FAILED = -3 };
 
 /* Functions of the FMU's binary. The last three are NULL where the FMU saves no states. */
 typedef struct {
@@ -84,6 +85,7 @@ typedef struct Fleet Fleet;
 /* Instances 0 to count - 1, not yet started. NULL: out of memory, or a thread could not be started. */
 FLEET_EXPORT Fleet *fleet_open(const FleetFunctions *functions, const FleetExperiment *experiment, size_t count,
                                unsigned threads);
+/* Not in a forked child: its threads are not there. All other functions work there, without threads. */
 FLEET_EXPORT void fleet_close(Fleet *fleet);
 /* Makes the instances. Returns the number of those that the FMU refused. */
 FLEET_EXPORT long fleet_instantiate(Fleet *fleet);
@@ -93,8 +95,8 @@ FLEET_EXPORT long fleet_set(Fleet *fleet, const FleetValues *values, const uint8
 FLEET_EXPORT long fleet_get_reals(Fleet *fleet, fmi2ValueReference reference, double *values);
 FLEET_EXPORT long fleet_get_integers(Fleet *fleet, fmi2ValueReference reference, int *values);
 FLEET_EXPORT long fleet_get_booleans(Fleet *fleet, fmi2ValueReference reference, int *values);
-/* `steps` steps of `size` s. inputs[count][steps][input_count] -> outputs[count][steps][output_count]; the
- * outputs of instances that have failed are NaN. FLEET_NOT_FINITE: see fleet_first_not_finite. */
+/* `steps` steps of `size` s. inputs[count][steps][input_count] -> outputs[count][steps][output_count]. Of instances
+ * that have failed the inputs are not read, and the outputs are NaN. */
 FLEET_EXPORT long fleet_roll(Fleet *fleet, const FleetPorts *ports, const double *inputs, size_t steps, double size,
                              double *outputs);
 /* states[i]: NULL, or a state of instance i, which fleet_save overwrites. times[i]: its time, s. */
@@ -102,8 +104,6 @@ FLEET_EXPORT long fleet_save(Fleet *fleet, const uint8_t *chosen, fmi2FMUstate *
 FLEET_EXPORT long fleet_restore(Fleet *fleet, const uint8_t *chosen, fmi2FMUstate *states, const double *times);
 FLEET_EXPORT long fleet_free_states(Fleet *fleet, fmi2FMUstate *states);
 
-/* The first element that is not finite, or `count`. */
-FLEET_EXPORT size_t fleet_first_not_finite(const double *values, size_t count);
 /* failed[i] = 1 where instance i has failed, else 0. */
 FLEET_EXPORT void fleet_failed(const Fleet *fleet, uint8_t *failed);
 /* times[i]: present time of instance i, s. */

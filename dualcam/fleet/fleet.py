@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import weakref
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from ctypes import addressof, byref
 from pathlib import Path
 from types import TracebackType
@@ -13,36 +14,39 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from dualcam.arrays import Array, number_of, positive_number, real_array
 from dualcam.errors import FleetError, FmuError, UnknownVariableError
 from dualcam.fleet.arguments import (
     chosen_instances,
-    numbers_of,
     output_buffer,
     relative_tolerance,
     steps_of,
     whole_number,
 )
 from dualcam.fleet.core import Core, NotFiniteError
-from dualcam.fleet.native import Ports, address, native, pointer_to
+from dualcam.fleet.native import Ports, address, pointer_to
 from dualcam.fleet.state import FleetState
 from dualcam.fleet.values import NUMBERS, FleetValue, Layout
 from dualcam.handle import OWN_NAMES, names_of, unknown_variable
 from dualcam.library import source_path
 from dualcam.model_description import Variable, read_model_description
-from dualcam.reals import Array, number_of
+from dualcam.process_bound import ProcessBound
 from dualcam.unit_guards import warn_units
 
 MOST_THREADS = 256
 GETTERS = {"real": "fleet_get_reals", "integer": "fleet_get_integers", "boolean": "fleet_get_booleans"}
 
 
-class Fleet:
+class Fleet(ProcessBound):
     """Many instances of one FMU of FMI 2.0 for co-simulation. A run of all instances has begun when the fleet
     is made, and again after `reset`.
 
-    Each instance moves bit for bit as if the instance were alone. An instance that fails makes the call an
-    error, and is left alone from then on: its outputs are NaN, and the others go on. `reset` and `restore`
-    bring a failed instance back.
+    Each instance moves bit for bit as if the instance were alone. Values that the FMU refuses in `set` or
+    `reset` change nothing. An instance that fails in a step makes that call an error, and is left alone from
+    then on: its inputs are not read, its outputs are NaN, and the others go on. `reset` and `restore` bring a
+    failed instance back.
+
+    A forked child process has a copy of the fleet, which works there with one thread.
 
     Parameters
     ----------
@@ -92,6 +96,8 @@ class Fleet:
     [0.4848, 0.478, 0.4713, 0.4646, 0.4581]
     """
 
+    _instead = "make a new one there, from the same arguments"
+
     def __init__(
         self,
         fmu: str | Path,
@@ -122,14 +128,16 @@ class Fleet:
         sizes = (len(self.inputs), len(self.outputs))
         self._ports = Ports(*sizes, *(address(references) for references in self._references))
         self._ports_address = addressof(self._ports)
-        self._parameters: dict[str, FleetValue] = {}
         start_time = number_of(time, "time")
         relative = relative_tolerance(tolerance)
-        self._layout(parameters or {})  # refuses wrong values before an instance is made
+        parameters = {} if parameters is None else parameters
+        layout = self._layout(parameters)  # refuses wrong values before an instance is made
+        self._warn_units(parameters)
+        self._parameters: dict[str, FleetValue] = dict(parameters)
         self._core = Core(self.path, self.description, self.count, self.threads, start_time, relative)
         self._close = weakref.finalize(self, self._core.close)
         try:
-            self.reset(parameters=parameters)
+            self._core.call("fleet_start", byref(layout.struct), None)
         except BaseException:
             self.close()
             raise
@@ -173,7 +181,7 @@ class Fleet:
         ----------
         u : array_like, shape (count, n)
             Inputs in the FMU's units, constant over the step. No copy is made of a C-contiguous array of
-            float64.
+            float64. The rows of instances that have failed are not read.
         h : float
             Length of the step [s], > 0.
         out : ndarray of float64, shape (count, m), optional
@@ -188,6 +196,7 @@ class Fleet:
         ------
         FleetError
             An instance failed in this call. The others made the step; `outputs` of the error has their rows.
+            Or all instances had failed before.
         FmuError
             A wrong shape or type, or a value that is not finite: no instance made the step.
         """
@@ -240,10 +249,9 @@ class Fleet:
         out: Array | None,
         wanted: tuple[int, ...],
     ) -> Array:
-        inputs = numbers_of(u, shape)
-        size = h if type(h) is float else number_of(h, "h", "a finite number > 0, in s")
-        if not 0.0 < size < math.inf:
-            raise FmuError(f"h = {h!r}: allowed is a finite number > 0, in s")
+        inputs = np.ascontiguousarray(real_array(u, "u", FmuError, shape))
+        is_step = type(h) is float and 0.0 < h < math.inf
+        size = h if is_step else positive_number(h, "h", "a finite number > 0, in s")
         outputs = np.empty(wanted) if out is None else output_buffer(out, wanted)
         try:
             self._core.call(
@@ -253,17 +261,17 @@ class Fleet:
             error.outputs = outputs
             raise
         except NotFiniteError:
-            raise FmuError(self._not_finite(inputs, steps)) from None
+            raise FmuError(self._not_finite(inputs)) from None
         return outputs
 
-    def _not_finite(self, u: Array, steps: int) -> str:
-        place = native().fleet_first_not_finite(address(u), u.size)
-        rest, column = divmod(place, len(self.inputs))
-        instance, step = divmod(rest, steps)
-        at = f" in step {step}" if u.ndim == 3 else ""
+    def _not_finite(self, u: Array) -> str:
+        wrong = ~np.isfinite(u)
+        wrong[self.failed] = False
+        instance, *step, column = np.argwhere(wrong)[0].tolist()
+        at = f" in step {step[0]}" if step else ""
         return (
-            f"{self.inputs[column]} of instance {instance}{at} = {u.flat[place]}: allowed are finite numbers;"
-            " no instance was stepped"
+            f"{self.inputs[column]} of instance {instance}{at} = {u[instance, *step, column]}: allowed are"
+            " finite numbers; no instance was stepped"
         )
 
     # ---- runs, values, states ----
@@ -286,7 +294,8 @@ class Fleet:
         Raises
         ------
         FleetError
-            The FMU refuses a start value of an instance. The others have begun a new run.
+            The FMU refuses a start value of an instance: no instance was reset. Where the FMU cannot save its
+            state, that instance fails, and the others have begun a new run.
         FmuError
             A wrong argument: no instance was reset.
 
@@ -304,8 +313,8 @@ class Fleet:
         merged = self._merged(parameters or {}, chosen)
         layout = self._layout(merged)
         self._warn_units(parameters or {})
+        self._change("fleet_start", layout, chosen)
         self._parameters = merged
-        self._core.call("fleet_start", byref(layout.struct), address(chosen))
 
     def get(self, name: str) -> NDArray[Any]:
         """The value of one variable in each instance.
@@ -343,10 +352,23 @@ class Fleet:
         Raises
         ------
         FleetError
-            The FMU refuses the value of an instance.
+            The FMU refuses the value of an instance: no instance has a new value. Where the FMU cannot save
+            its state, that instance fails, and the others have their values.
         """
         layout = Layout([self._variable(name)], {name: values}, self.count)
-        self._core.call("fleet_set", byref(layout.struct), address(chosen_instances(instances, self.count)))
+        self._change("fleet_set", layout, chosen_instances(instances, self.count))
+
+    def _change(self, function: str, layout: Layout, chosen: NDArray[np.uint8]) -> None:
+        """Give values to the chosen instances. Where one refuses them, all go back to their states before."""
+        before = self.save(chosen.astype(bool)) if self._can_save_state else None
+        try:
+            self._core.call(function, byref(layout.struct), address(chosen))
+        except FleetError as error:
+            if before is not None:
+                with suppress(FleetError):  # an instance that had failed before has no state: it fails again
+                    self._restore(before, chosen)
+                error.args = (f"{error}; no instance has changed",)
+            raise
 
     def save(self, instances: ArrayLike | None = None) -> FleetState:
         """The whole state of some instances now.
@@ -366,8 +388,7 @@ class Fleet:
         FmuError
             The FMU cannot save its state.
         """
-        interface = self.description.co_simulation
-        if interface is None or not interface.can_save_state:
+        if not self._can_save_state:
             raise FmuError(f"{self.path} cannot save its state: canGetAndSetFMUstate is not set")
         chosen = chosen_instances(instances, self.count)
         addresses, times = np.zeros(self.count, np.uintp), np.zeros(self.count)
@@ -411,7 +432,15 @@ class Fleet:
         missing = np.flatnonzero(chosen.astype(bool) & ~state.instances)
         if missing.size:
             raise FmuError(f"the state of instance {missing[0]} was not saved: save had other instances")
+        self._restore(state, chosen)
+
+    def _restore(self, state: FleetState, chosen: NDArray[np.uint8]) -> None:
         self._core.call("fleet_restore", address(chosen), address(state._addresses), address(state._times))
+
+    @property
+    def _can_save_state(self) -> bool:
+        interface = self.description.co_simulation
+        return interface is not None and interface.can_save_state
 
     # ---- arguments ----
 

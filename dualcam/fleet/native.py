@@ -15,7 +15,7 @@ from dualcam.errors import FmuError
 from dualcam.library import fleet_library_path
 
 TEXT = 512  # FLEET_TEXT
-FATAL, NOT_FINITE = -1, -2  # FLEET_FATAL, FLEET_NOT_FINITE
+FATAL, NOT_FINITE, ALL_FAILED = -1, -2, -3  # FLEET_FATAL, FLEET_NOT_FINITE, FLEET_ALL_FAILED
 
 # Members of FleetFunctions, in order
 FUNCTIONS = (
@@ -118,7 +118,6 @@ SIGNATURES = {
     "fleet_save": (c_long, (c_void_p, c_void_p, c_void_p, c_void_p)),
     "fleet_restore": (c_long, (c_void_p, c_void_p, c_void_p, c_void_p)),
     "fleet_free_states": (c_long, (c_void_p, c_void_p)),
-    "fleet_first_not_finite": (c_size_t, (c_void_p, c_size_t)),
     "fleet_failed": (None, (c_void_p, c_void_p)),
     "fleet_times": (None, (c_void_p, c_void_p)),
     "fleet_reports": (c_size_t, (c_void_p, POINTER(POINTER(Report)))),

@@ -39,6 +39,7 @@ typedef struct {
 } Worker;
 
 struct Pool {
+    unsigned long process; /* that has the threads */
     unsigned threads;
     Worker *workers; /* [threads - 1] */
     Share *shares;   /* [threads] */
@@ -170,6 +171,7 @@ static Share *new_shares(unsigned threads) {
 Pool *pool_new(unsigned threads) {
     Pool *pool = threads > 0 ? calloc(1, sizeof *pool) : NULL;
     if (pool == NULL) return NULL;
+    pool->process = thread_process();
     pool->threads = threads;
     pool->monitor = monitor_new();
     pool->workers = calloc(threads, sizeof *pool->workers);
@@ -202,8 +204,13 @@ static void await_end(Pool *pool, uint32_t pieces) {
     }
 }
 
+/* Whether the threads take part in a job. */
+static bool is_shared(const Pool *pool, size_t work) {
+    return pool->threads > 1 && work > LEAST_WORK && pool->process == thread_process();
+}
+
 void pool_run(Pool *pool, PoolJob *job, void *context, size_t count, size_t work_of_one) {
-    if (pool->threads <= 1 || count * work_of_one <= LEAST_WORK) {
+    if (!is_shared(pool, count * work_of_one)) {
         job(context, 0, count, 0);
         return;
     }

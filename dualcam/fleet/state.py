@@ -7,11 +7,12 @@ import weakref
 import numpy as np
 from numpy.typing import NDArray
 
+from dualcam.arrays import Array
 from dualcam.fleet.core import Core
-from dualcam.reals import Array
+from dualcam.process_bound import ProcessBound
 
 
-class FleetState:
+class FleetState(ProcessBound):
     """States of some instances of a fleet, from `Fleet.save`. Freed with the last reference to this.
 
     Attributes
@@ -19,6 +20,8 @@ class FleetState:
     instances : ndarray of bool, shape (count,)
         The instances whose states these are.
     """
+
+    _instead = "restore it into its own fleet"
 
     def __init__(
         self, core: Core, instances: NDArray[np.bool_], addresses: NDArray[np.uintp], times: Array

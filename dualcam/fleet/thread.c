@@ -12,6 +12,7 @@
 #include <pthread.h>
 #include <sched.h>
 #include <time.h>
+#include <unistd.h>
 #endif
 
 struct Thread {
@@ -161,6 +162,14 @@ void thread_yield(void) {
     SwitchToThread();
 #else
     sched_yield();
+#endif
+}
+
+unsigned long thread_process(void) {
+#if defined _WIN32
+    return GetCurrentProcessId();
+#else
+    return (unsigned long)getpid();
 #endif
 }
 

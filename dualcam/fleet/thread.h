@@ -28,5 +28,7 @@ void thread_pause(void);
 void thread_yield(void);
 /* s, from some point in time on; never goes back. */
 double thread_clock(void);
+/* The number of the process. A forked child has another one than its parent, and none of the parent's threads. */
+unsigned long thread_process(void);
 
 #endif

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from dualcam.arrays import real_array
 from dualcam.errors import FmuError
 from dualcam.fleet.native import Values, address
 from dualcam.handle import suitable_value
@@ -51,18 +52,20 @@ class Layout:
 
 def column_of(variable: Variable, value: FleetValue, count: int) -> NDArray[Any]:
     """One value per instance, shape (count,), each of the variable's kind."""
-    if isinstance(value, str) or np.ndim(value) == 0:
-        return np.full(count, suitable_value(variable, _plain(value)), dtype=_dtype(variable))
-    if np.shape(value) != (count,):
+    is_number = variable.kind in ("real", "integer")
+    given = real_array(value, variable.name, FmuError) if is_number else np.asarray(value)
+    if given.ndim == 0:
+        return np.full(count, suitable_value(variable, given.item()), dtype=_dtype(variable))
+    if given.shape != (count,):
         raise FmuError(
-            f"{variable.name} has shape {np.shape(value)}: allowed are one value for all instances, or"
+            f"{variable.name} has shape {given.shape}: allowed are one value for all instances, or"
             f" the shape ({count},), one value per instance"
         )
-    given = np.asarray(value)
-    if variable.kind == "real" and given.dtype.kind in "fiu":
-        return given.astype(np.float64)
-    numbered = enumerate(given.tolist())
-    return np.array([_numbered(variable, i, item) for i, item in numbered], dtype=_dtype(variable))
+    if variable.kind == "real":
+        return given
+    return np.array(
+        [_numbered(variable, i, item) for i, item in enumerate(given.tolist())], dtype=_dtype(variable)
+    )
 
 
 def _numbered(variable: Variable, instance: int, value: object) -> object:
@@ -70,10 +73,6 @@ def _numbered(variable: Variable, instance: int, value: object) -> object:
         return suitable_value(variable, value)
     except FmuError as error:
         raise FmuError(f"instance {instance}: {error}") from None
-
-
-def _plain(value: object) -> object:
-    return value.item() if isinstance(value, np.ndarray | np.generic) else value
 
 
 def _dtype(variable: Variable) -> type:

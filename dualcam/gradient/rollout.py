@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -13,18 +12,17 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike
 
+from dualcam.arrays import Array, positive_number, real_array
 from dualcam.errors import FmuError, UnknownVariableError
 from dualcam.fleet import Fleet
-from dualcam.fleet.arguments import numbers_of
 from dualcam.fleet.values import FleetValue
 from dualcam.handle import names_of
 from dualcam.library import source_path
 from dualcam.model_description import ModelDescription, read_model_description
-from dualcam.reals import Array, number_of
+from dualcam.process_bound import ProcessBound, ProcessLock
 
 STATES, INPUTS = ("theta", "omega"), ("tau", "F_ext")
 INITIAL = ("initial.theta", "initial.omega")
-STEP = "a finite number > 0, in s"
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,7 +85,7 @@ class Rollout:
         >>> run.gradient(by_states).parameters.round(3).tolist()  # rad per 1
         [[-0.32]]
         """
-        given = numbers_of(by_states, self.states.shape)
+        given = real_array(by_states, "by_states", FmuError, self.states.shape)
         count, steps, _ = given.shape
         first = 2 + self.input_count
         adjoint = np.zeros((count, 2))
@@ -100,7 +98,7 @@ class Rollout:
         return Gradient(adjoint, inputs, parameters)
 
 
-class DifferentiableFleet:
+class DifferentiableFleet(ProcessBound):
     """Runs of many instances of the forward FMU, with the Jacobian of every step.
 
     The Jacobians are analytic: `step.dtheta_d...` and `step.domega_d...` of the FMU. They go through stick
@@ -151,6 +149,8 @@ class DifferentiableFleet:
     `friction_peak` of 1.
     """
 
+    _instead = "make a new one there, from the same arguments"
+
     def __init__(
         self,
         fmu: str | Path,
@@ -163,9 +163,7 @@ class DifferentiableFleet:
         *,
         tolerance: float | None = None,
     ) -> None:
-        self.h = number_of(h, "h", STEP)
-        if self.h <= 0.0:
-            raise FmuError(f"h = {h!r}: allowed is {STEP}")
+        self.h = positive_number(h, "h", "a finite number > 0, in s")
         self.inputs = tuple(names_of(inputs, "inputs"))
         self.parameters = tuple(names_of(parameters, "parameters"))
         knowns = (*STATES, *self.inputs, *self.parameters)
@@ -175,7 +173,7 @@ class DifferentiableFleet:
         others = dict(values or {})
         _refuse_twice(self.parameters, others)
         self._shape = (len(STATES), len(knowns))
-        self._lock = threading.Lock()  # JAX calls from threads of its own
+        self._lock = ProcessLock()  # JAX calls from threads of its own
         others[INITIAL[0]] = _between_stops(description, others)
 
         def fleet(outputs: Sequence[str]) -> Fleet:
@@ -283,9 +281,14 @@ class DifferentiableFleet:
 
     def _run(self, fleet: Fleet, start: ArrayLike, u: ArrayLike, p: ArrayLike | None) -> Array:
         """The outputs of a new run of `fleet`."""
+        if p is None and self.parameters:
+            raise FmuError(
+                f"p is missing: allowed is an array of shape {(self.count, len(self.parameters))} with"
+                f" {', '.join(self.parameters)} of each instance"
+            )
         columns = np.empty((self.count, 0)) if p is None else p
-        first = numbers_of(start, (self.count, 2))
-        tuned = numbers_of(columns, (self.count, len(self.parameters)))
+        first = real_array(start, "start", FmuError, (self.count, 2))
+        tuned = real_array(columns, "p", FmuError, (self.count, len(self.parameters)))
         values: dict[str, FleetValue] = dict(zip(INITIAL, first.T, strict=True))
         values |= dict(zip(self.parameters, tuned.T, strict=True))
         with self._lock:

@@ -7,6 +7,7 @@ from typing import NamedTuple, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from dualcam.arrays import real_array
 from dualcam.errors import FleetError, TaskError
 from dualcam.fleet import Fleet
 from dualcam.gym.task import Motion, Scene, Task
@@ -130,7 +131,7 @@ class Batch:
         TaskError
             A wrong argument: no instance begins anew.
         """
-        given = np.asarray(numbers, dtype=float)
+        given = real_array(numbers, "numbers", TaskError)
         if given.shape != (self.count, self.task.draws):
             raise TaskError(
                 f"numbers has shape {given.shape}: allowed is {(self.count, self.task.draws)}, one row per"
@@ -225,7 +226,7 @@ class Batch:
     def _checked(self, torque: ArrayLike) -> Array:
         if not self.scene:
             raise TaskError("no episode has begun: call reset first")
-        wanted = np.asarray(torque, dtype=float)
+        wanted = real_array(torque, "torque", TaskError)
         if wanted.shape != (self.count,):
             raise TaskError(f"torque has shape {wanted.shape}: allowed is {(self.count,)}, one per instance")
         wrong = np.flatnonzero(~np.isfinite(wanted))

@@ -8,6 +8,7 @@ import gymnasium
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from dualcam.arrays import real_array
 from dualcam.errors import TaskError
 from dualcam.gym.batch import TERMS, Batch, Outcome
 from dualcam.gym.car_door_task import CarDoorTask
@@ -66,18 +67,11 @@ def checked_actions(actions: ArrayLike, shape: tuple[int, ...]) -> Array:
     TaskError
         A wrong shape or type, or a value that is not finite.
     """
-    try:
-        given = np.asarray(actions)
-    except ValueError:  # rows of different lengths
-        given = np.asarray(None)
-    if given.dtype.kind not in "fiu":
-        raise TaskError(f"action = {actions!r}: allowed are real numbers, shape {shape}")
-    if given.shape != shape:
-        raise TaskError(f"action has shape {given.shape}: allowed is {shape}")
+    given = real_array(actions, "action", TaskError, shape)
     if not np.isfinite(given).all():
         place = tuple(int(i) for i in np.argwhere(~np.isfinite(given))[0])
         raise TaskError(f"action{list(place)} = {given[place]}: allowed are finite numbers from -1 to 1")
-    return np.clip(given.astype(np.float64), -1.0, 1.0)
+    return np.clip(given, -1.0, 1.0)
 
 
 def terms_of(outcome: Outcome) -> dict[str, Array]:

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from dualcam.arrays import REAL, TIME, real_array
 from dualcam.common.tables import ANGLE_NAMES, TORQUE_NAMES, Quantity, TableKind, read_table
 from dualcam.errors import IdentificationError, UnitWarning
 from dualcam.paths import path_of
@@ -84,7 +85,7 @@ class Recording:
         Parameters
         ----------
         time, theta, tau, omega, F_ext : array_like, shape (n,)
-            As the attributes.
+            As the attributes. Durations, such as timedelta64 of NumPy or pandas, are allowed for `time`.
 
         Returns
         -------
@@ -110,10 +111,7 @@ class Recording:
 
 
 def _column(name: str, values: ArrayLike) -> Array:
-    try:
-        column = np.array(values, dtype=float)
-    except (TypeError, ValueError):
-        raise IdentificationError(f"{name} = {values!r:.60}: allowed is an array of numbers") from None
+    column = real_array(values, name, IdentificationError, kinds=TIME if name == "time" else REAL).copy()
     if column.ndim != 1:
         raise IdentificationError(f"{name} has shape {column.shape}: allowed is (n,)")
     return column

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
+from typing import Any
 
 from dualcam.design_file import DesignFile
 from dualcam.errors import IdentificationError
@@ -123,8 +124,7 @@ def unknowns_of(design: DesignFile, names: Sequence[str] = DEFAULT) -> list[Unkn
     IdentificationError
         For no name, an unknown one, one that cannot act for this design, or a parameter that is named twice.
     """
-    if isinstance(names, str):
-        names = [names]
+    names = _listed(names)
     if not names:
         raise IdentificationError("no parameter to fit: name one or more, such as friction, spring.preload")
     known = fitted_names()
@@ -146,6 +146,17 @@ def unknowns_of(design: DesignFile, names: Sequence[str] = DEFAULT) -> list[Unkn
             owner[key] = name
         found.append(_unknown_of(design, name, known[name]))
     return found
+
+
+def _listed(names: object) -> list[str]:
+    """`names` as a list. IdentificationError unless they are texts."""
+    listed: list[Any] = [names] if isinstance(names, str) or not isinstance(names, Iterable) else [*names]
+    for name in listed:
+        if not isinstance(name, str):
+            raise IdentificationError(
+                f"fit: {name!r} is no name: allowed are texts, such as friction, spring.preload"
+            )
+    return listed
 
 
 def _unknown_of(design: DesignFile, name: str, keys: tuple[str, ...]) -> Unknown:

@@ -9,6 +9,7 @@ import mujoco
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from dualcam.arrays import real_array
 from dualcam.errors import MujocoError
 from dualcam.fleet import Fleet
 from dualcam.fleet.arguments import chosen_instances
@@ -291,7 +292,7 @@ class CamSimulation:
                 f"joint {joint!r} has a CamJoint, which has no motor: give the joint an actuator in the"
                 " model, or use DriveTrain"
             )
-        given = np.asarray(torque, dtype=float)
+        given = real_array(torque, f"torque of joint {joint!r}", MujocoError)
         if given.shape not in ((), port.motor.shape) or not np.isfinite(given).all():
             raise MujocoError(
                 f"torque of joint {joint!r} = {torque!r}: allowed is a finite number, or"

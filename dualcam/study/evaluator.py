@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from dualcam.arrays import real_array
 from dualcam.study.chunk import Task, varied_columns
 from dualcam.study.execution import workers_for
 from dualcam.study.first_runs import check
@@ -89,7 +90,7 @@ class Evaluator:
         StudyError
             The rows have another shape, or the workers cannot go on.
         """
-        table = np.asarray(rows, float)
+        table = real_array(rows, "rows", StudyError)
         if table.ndim != 2 or table.shape[1] != len(self.names):
             raise StudyError(f"rows of shape {table.shape}: allowed is (runs, {len(self.names)})")
         varied = varied_columns(self.names, table, self._texts)

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from dualcam.reals import Array
+from dualcam.arrays import Array, real_array
 from dualcam.study.problem import StudyError
 from dualcam.study.sampling.formula import formula, is_formula
 
@@ -129,6 +129,10 @@ class History:
                 f"{len(self.value)} values at {len(self.time)} times: allowed is one value for each time"
             )
         for name, numbers in (("time", self.time), ("value", self.value)):
+            try:
+                real_array([number for number in numbers if not isinstance(number, str)], name, StudyError)
+            except StudyError as error:
+                return [*found, str(error)]
             strange = [number for number in map(known_number, numbers) if number is not None]
             found += [
                 f"{name} = {number:g}: allowed are finite numbers"

@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from dualcam.fmu import Array
-from dualcam.study.problem import Findings
+from dualcam.arrays import TRUTH, Array, real_array
+from dualcam.study.problem import Findings, StudyError
 from dualcam.study.sampling import designs
 from dualcam.study.sampling.correlation import Correlation
 from dualcam.study.sampling.formula import Formula
@@ -266,7 +266,7 @@ class Plan:
     @cached_property
     def table_rows(self) -> Array:
         """The table as an array, shape (runs, variables)."""
-        return np.asarray(self.table, float)
+        return real_array(self.table, "plan: table", StudyError, kinds=TRUTH)  # type: ignore[arg-type]
 
     @cached_property
     def count(self) -> int:

@@ -73,7 +73,9 @@ def _check_numbers(plan: Plan, findings: Findings) -> None:
 def _check_table(plan: Plan, findings: Findings) -> None:
     if not findings.is_sound("plan", "table") or not plan.vary:
         return
-    rows = plan.table_rows
+    rows = findings.attempt(("plan", "table"), lambda: plan.table_rows)
+    if rows is None:
+        return
     if rows.ndim != 2 or rows.shape[1] != len(plan.vary):
         text = f"plan: table of shape {rows.shape}: allowed is (runs, {len(plan.vary)})"
         findings.note(("plan", "table"), text)

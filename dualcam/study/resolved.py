@@ -16,10 +16,11 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
-import numpy as np
 from numpy.typing import ArrayLike
 
+from dualcam.arrays import real_array
 from dualcam.model_description import Scalar
+from dualcam.study.problem import StudyError
 from dualcam.study.sampling.formula import formula
 from dualcam.study.sampling.texts import Texts
 from dualcam.study.scenario import Scenario
@@ -92,7 +93,7 @@ def resolve(
 
 def values_of(names: Sequence[str], row: ArrayLike, texts: Mapping[str, Texts]) -> dict[str, float | str]:
     """The values of a row by name, with the texts themselves."""
-    numbers = dict(zip(names, np.asarray(row, float).tolist(), strict=True))
+    numbers = dict(zip(names, real_array(row, "row", StudyError).tolist(), strict=True))
     return numbers | {name: texts[name][round(numbers[name])] for name in texts if name in numbers}
 
 

@@ -60,6 +60,8 @@ def write_view(design: DesignSource | None, path: str | Path) -> Path:
         The FMU refuses the design. The message is the FMU's. Also where the package lacks the WebAssembly.
     DualcamError
         For another ending than .html, or a groove table that cannot be read.
+    FileError
+        The system refuses to write the file.
 
     Notes
     -----

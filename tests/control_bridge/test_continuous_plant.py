@@ -1,5 +1,6 @@
 """The bridge to python-control: the continuous plant."""
 
+import copy
 import random
 
 import control
@@ -54,6 +55,27 @@ def test_rates_depend_on_nothing_but_state_and_input():
     for theta, omega, tau in order:
         rates = system.dynamics(0.0, [theta, omega], [tau, 0.0]).tolist()
         assert found.setdefault((theta, omega, tau), rates) == rates
+
+
+@pytest.mark.parametrize("copied", [copy.copy, copy.deepcopy, lambda plant: plant.copy()])
+def test_copies_of_the_plant(continuous, copied):
+    twin = copied(continuous)
+    for theta, omega, tau, F_ext, alpha in RATES.values():  # in turn, on one FMU
+        for system in (twin, continuous):
+            found = system.dynamics(0.0, [theta, omega], [tau, F_ext])
+            assert found == pytest.approx([omega, alpha], rel=1e-9, abs=1e-12)
+    ours, theirs = (system.linearize([0.5, 2.0], [3.0, 0.0]) for system in (twin, continuous))
+    assert np.array_equal(ours.A, theirs.A) and np.array_equal(ours.B, theirs.B)
+
+
+@pytest.mark.filterwarnings("ignore:duplicate object found:UserWarning", "ignore:Unused output:UserWarning")
+@pytest.mark.parametrize("twice", [lambda plant: [plant] * 2, lambda plant: [plant, plant.copy("cam_copy")]])
+def test_two_cams_in_one_system(continuous, twice):
+    signals = [(cam, place) for cam in (0, 1) for place in (0, 1)]
+    both = control.interconnect(twice(continuous), inplist=signals, outlist=signals)
+    (theta, omega, tau, F_ext, alpha), (*other, beta) = RATES["loading"], RATES["rest above it"]
+    found = both.dynamics(0.0, [theta, omega, *other[:2]], [tau, F_ext, *other[2:]])
+    assert found == pytest.approx([omega, alpha, 0.0, beta], rel=1e-9, abs=1e-12)
 
 
 def test_near_rest_and_into_stops_the_speed_decays(continuous):

@@ -2,7 +2,7 @@
 
 import gc
 import random
-from pathlib import Path
+import tempfile
 
 import control
 import numpy as np
@@ -86,10 +86,12 @@ def test_a_handle_gives_its_parameters(slave):
         assert dualcam.linearize(fmu, 0.5, 1.0).B[1, 0] == pytest.approx(250.0)
 
 
-def test_systems_free_their_fmu():
-    system = dualcam.to_nonlinear_io_system(FORWARD)
-    directory = Path(system._fmu._instance.directory)
-    assert directory.exists()
-    del system
+@pytest.mark.parametrize("period", [None, PERIOD])
+def test_systems_free_their_fmu(period, tmp_path, monkeypatch):
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    system = dualcam.to_nonlinear_io_system(FORWARD, period=period)
+    twin = system.copy()
+    assert list(tmp_path.iterdir())
+    del system, twin
     gc.collect()
-    assert not directory.exists()
+    assert not list(tmp_path.iterdir())

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from dualcam.arrays import real_array
 from dualcam.design.cut.pin_section import contact, contact_turn, section, section_radius
 from dualcam.design.grooves import Groove, Point
 from dualcam.design.mechanism import POINTS, Mechanism
@@ -167,7 +168,7 @@ class GrooveCut:
         Point
             Height [m] and its derivatives by psi, of the shape of `psi`.
         """
-        angle = np.asarray(psi, dtype=float)
+        angle = real_array(psi, "psi", DesignError)
         inside = np.clip(angle, *self.travel)
         point, beyond = self.groove.at(inside), angle - inside
         return Point(
@@ -196,7 +197,7 @@ class GrooveCut:
         Flanks
             Points of the shape of `psi`.
         """
-        angle, point = np.asarray(psi, dtype=float), self.centre(psi)
+        angle, point = real_array(psi, "psi", DesignError), self.centre(psi)
         touch = contact(point.slope, self.pin_radius, self.radius if radius is None else radius)
         return Flanks(
             Curve(angle + touch.angle, point.z + touch.height),
@@ -225,7 +226,7 @@ class GrooveCut:
         point = self.centre(psi)
         first = contact_turn(point.slope, self.pin_radius, rho)
         half_turn = -math.pi if at_end else math.pi
-        edge = section(first + half_turn * np.asarray(share, dtype=float), self.pin_radius, rho)
+        edge = section(first + half_turn * real_array(share, "share", DesignError), self.pin_radius, rho)
         return Curve(psi + edge.angle, point.z + edge.height)
 
     def angle(self, psi: ArrayLike, end: int = 0) -> Array:
@@ -244,7 +245,7 @@ class GrooveCut:
             Angle on the body of the cam [rad], counterclockwise seen from +z; 0 is the mark of the cam, where
             the first end of the pin is at theta = 0.
         """
-        return self.hand * np.asarray(psi, dtype=float) + 2.0 * math.pi * end / self.mechanism.contacts
+        return self.hand * real_array(psi, "psi", DesignError) + 2.0 * math.pi * end / self.mechanism.contacts
 
     # ---- what cannot be cut ----
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from dualcam.arrays import real_array
 from dualcam.design.mechanism import Mechanism
 from dualcam.design.statics import Array
 from dualcam.design.tolerances.limits import Limit, Yield, check_quantity, yield_of
@@ -332,10 +333,7 @@ def _angles(mechanism: Mechanism, angles: int | ArrayLike) -> Array:
         if angles < 2:
             raise DesignError(f"angles = {angles}: allowed is 2 or more, or a list of angles in rad")
         return mechanism.angles(angles)
-    try:
-        theta = np.atleast_1d(np.asarray(angles, dtype=float))
-    except (TypeError, ValueError):
-        theta = np.empty(0)
+    theta = np.atleast_1d(real_array(angles, "angles", DesignError))
     low, high = mechanism.lower, mechanism.upper
     if theta.ndim != 1 or not len(theta) or not ((theta >= low) & (theta <= high)).all():
         raise DesignError(

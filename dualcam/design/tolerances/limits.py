@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import binomtest
 
+from dualcam.arrays import real_array
 from dualcam.design.statics import Array
 from dualcam.design.tolerances.sampled_mechanism import QUANTITIES, UNITS
 from dualcam.errors import DesignError
@@ -90,7 +91,7 @@ class Limit:
 
     def _at(self, bound: Bound, theta: Array, name: str) -> Array:
         try:
-            found = np.asarray(bound(theta) if callable(bound) else bound, dtype=float)
+            found = real_array(bound(theta) if callable(bound) else bound, name)
             found = np.broadcast_to(found, theta.shape)
         except Exception as error:  # whatever a user's function raises
             raise DesignError(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from importlib.resources import files
 from pathlib import Path
 
-from dualcam.errors import DesignError
+from dualcam.errors import DesignError, DualcamError
 from dualcam.paths import whole_file
 
 TEMPLATES = {
@@ -36,7 +36,9 @@ def write_template(name: str, path: str | Path, overwrite: bool = False) -> Path
     Raises
     ------
     DesignError
-        For another name, a file that exists, or a folder that cannot be written to.
+        For another name, a file that exists, or no name of a file.
+    FileError
+        The system refuses to write the file.
 
     Examples
     --------
@@ -55,8 +57,8 @@ def write_template(name: str, path: str | Path, overwrite: bool = False) -> Path
             raise DesignError(f"{path} exists already: choose another name, or remove the file")
         with whole_file(path) as unfinished:
             unfinished.write_text(text, encoding="utf-8", newline="\n")
-    except DesignError:
+    except DualcamError:
         raise
     except (OSError, ValueError) as error:
-        raise DesignError(f"{path} cannot be written: {error}; choose a folder that exists") from None
+        raise DesignError(f"{path} cannot be written: {error}") from None
     return path

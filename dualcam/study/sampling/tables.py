@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from dualcam.arrays import TRUTH, Array, real_array
 from dualcam.common.tables import Converter, TableError, read_columns
-from dualcam.reals import Array
 from dualcam.study.problem import StudyError
 from dualcam.study.sampling.texts import GivenTexts
 from dualcam.study.sampling.vary import Vary
@@ -64,8 +64,5 @@ def places(
             table.append(np.array([place[value] for value in values]))
             continue
         vary[name] = Vary()
-        try:
-            table.append(np.asarray(values, float))
-        except (TypeError, ValueError) as error:
-            raise StudyError(f"plan: column {name}: allowed are numbers, or texts alone: {error}") from None
+        table.append(real_array(values, f"plan: column {name}", StudyError, kinds=TRUTH))
     return vary, np.column_stack(table) if table else np.empty((0, 0))

@@ -8,11 +8,12 @@ import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 from dualcam.study.sampling.kept_files import is_file, kept_file
 
 
+@runtime_checkable
 class Texts(Protocol):
     """The texts of one String parameter."""
 

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from dualcam.reals import Array
+from dualcam.arrays import TRUTH, Array, real_array
 from dualcam.study.entries import is_whole
 from dualcam.study.problem import StudyError
 from dualcam.study.sampling.distribution import Distribution
@@ -122,12 +122,15 @@ class Vary:
         found = []
         if self.distribution:
             found.append(f"values and distribution {self.distribution}: allowed is one of them")
-        if self.texts is None and not np.all(np.isfinite(self._numbers)):
-            strange = next(value for value in self._numbers if not math.isfinite(value))
+        try:
+            numbers, weights = self._numbers, real_array(self.weights, "weights", StudyError)
+        except StudyError as error:
+            return [*found, str(error)]
+        if not np.all(np.isfinite(numbers)):
+            strange = next(value for value in numbers if not math.isfinite(value))
             found.append(f"values with {strange}: allowed are finite numbers")
         if len(self.weights) == 0:
             return found
-        weights = np.asarray(self.weights, float)
         if len(weights) != len(self.values):
             found.append(f"{len(weights)} weights of {len(self.values)} values: allowed is one for each")
         if not (np.all(np.isfinite(weights)) and np.all(weights >= 0.0) and weights.sum() > 0.0):
@@ -144,17 +147,17 @@ class Vary:
     @cached_property
     def texts(self) -> Texts | None:
         """The texts of a String parameter; None for numbers."""
-        if isinstance(self.values, Sequence):
-            is_text = any(isinstance(value, str) for value in self.values)
-            return GivenTexts.of([str(value) for value in self.values]) if is_text else None
-        return self.values
+        if isinstance(self.values, Texts):
+            return self.values
+        is_text = any(isinstance(value, str) for value in self.values)
+        return GivenTexts.of([str(value) for value in self.values]) if is_text else None
 
     @cached_property
     def _numbers(self) -> Array:
         """The values; of texts their places."""
         if self.texts is not None:
             return np.arange(float(len(self.values)))
-        return np.asarray(self.values, float)
+        return real_array(self.values, "values", StudyError, kinds=TRUTH)  # type: ignore[arg-type]
 
     @cached_property
     def spread(self) -> Distribution:

@@ -1,0 +1,115 @@
+"""Arrays and numbers that a user hands in: real numbers, or an error that says what was given instead."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from dualcam.errors import DualcamError, FmuError
+
+Array = NDArray[np.float64]
+
+REAL = "fiu"  # kinds of NumPy's types
+TIME, TRUTH = REAL + "m", REAL + "b"
+PLAIN = frozenset((np.ndarray, np.float64, float, int, list, tuple))  # types without units and masks
+CARRIES_UNIT = ("magnitude", "to_value")  # attributes of the quantities of pint, astropy and unyt
+SECOND = np.timedelta64(1, "s")
+REMEDIES = {  # kind of NumPy's types -> what to do
+    "m": ". In seconds they are: t / np.timedelta64(1, 's')",
+    "M": ". In seconds they are: (t - t[0]) / np.timedelta64(1, 's')",
+    "b": ". As numbers they are: x.astype(float)",
+}
+
+
+def real_array(
+    values: ArrayLike,
+    name: str,
+    error: type[DualcamError] = DualcamError,
+    shape: tuple[int, ...] | None = None,
+    kinds: str = REAL,
+) -> Array:
+    """`values` as an array of float64: the same array where it is one, else a new one.
+
+    Parameters
+    ----------
+    values : array_like
+        Real numbers. Refused are dates, durations, text, booleans, complex numbers, objects, masked values,
+        quantities with a unit, and rows of different lengths, unless `kinds` has them.
+    name : str
+        What the values are, for messages.
+    error : type
+        What is raised.
+    shape : tuple of int, optional
+        The shape that the values must have.
+    kinds : str
+        NumPy's kinds of types that are allowed. "m" for times in s: durations such as timedelta64[ns] become
+        seconds. "b" for values of Boolean variables: True becomes 1.
+
+    Returns
+    -------
+    ndarray of float64
+        Not checked are the limits of values, NaN among them.
+
+    Examples
+    --------
+    >>> real_array(np.array([0, 500], "timedelta64[ms]"), "time", kinds=TIME)
+    array([0. , 0.5])
+    >>> real_array(np.array([0, 500], "timedelta64[ms]"), "theta")
+    Traceback (most recent call last):
+    ...
+    dualcam.errors.DualcamError: theta has elements of type timedelta64[ms]: allowed are real numbers. In \
+seconds they are: t / np.timedelta64(1, 's')
+    """
+    if type(values) not in PLAIN:
+        _refuse_what_arrays_leave_out(values, name, error)
+    try:
+        given = np.asarray(values)
+    except Exception as reason:  # rows of different lengths; types of other packages have errors of their own
+        raise error(f"{name} is no array of real numbers: {reason}") from None
+    if given.dtype.kind not in kinds:
+        raise error(f"{name} has elements of type {_type_of(given)}")
+    if shape is not None and given.shape != shape:
+        raise error(f"{name} has shape {given.shape}: allowed is {shape}")
+    return given / SECOND if given.dtype.kind == "m" else given.astype(np.float64, copy=False)
+
+
+def _refuse_what_arrays_leave_out(values: ArrayLike, name: str, error: type[DualcamError]) -> None:
+    """An error for units and for masks."""
+    if any(hasattr(type(values), word) for word in CARRIES_UNIT):
+        raise error(f"{name} = {values!r:.80} has a unit: allowed are real numbers in the documented unit")
+    if np.ma.is_masked(values):
+        raise error(f"{name} has masked values: allowed are real numbers. Leave out masked samples")
+
+
+def _type_of(given: NDArray[np.generic]) -> str:
+    """The type of elements, and the end of a message about them."""
+    kind = given.dtype.kind
+    shown = "text" if kind in "SUT" else str(given.dtype)
+    if kind == "O" and given.size > 0:
+        shown += f", such as {given.flat[0]!r:.40}"
+    return f"{shown}: allowed are real numbers{REMEDIES.get(kind, '')}"
+
+
+def number_of(
+    value: object, name: str, allowed: str = "a finite number", error: type[DualcamError] = FmuError
+) -> float:
+    """`value` as a finite number. `error` for anything that `real_array` refuses, and for another shape."""
+    try:
+        number = float(real_array(value, name, error, ()))  # type: ignore[arg-type]
+    except DualcamError:
+        number = math.nan
+    if not math.isfinite(number):
+        raise error(f"{name} = {value!r}: allowed is {allowed}")
+    return number
+
+
+def positive_number(
+    value: object, name: str, allowed: str = "a finite number > 0", error: type[DualcamError] = FmuError
+) -> float:
+    """`value` as a finite number > 0. `error` for anything else."""
+    number = number_of(value, name, allowed, error)
+    if number <= 0.0:
+        raise error(f"{name} = {value!r}: allowed is {allowed}")
+    return number
