@@ -33,7 +33,7 @@ from dualcam.fmu import Fmu
 from dualcam.library import MODELS, fmu_path
 from dualcam.model_description import XML, Scalar
 from dualcam.unit_guards import units_checked_before
-from dualcam.variables import all_parameters, inputs_of, parameters_of
+from dualcam.variables import all_parameters, inputs_of, parameters_of, unused
 
 if TYPE_CHECKING:
     from dualcam.study.scenario import Scenario
@@ -164,11 +164,8 @@ def _parameters_of_model(design: Design, model: str) -> dict[str, Scalar]:
     given = {renamed.get(name, name): value for name, value in design.parameters.items()}
     known = {**parameters_of(model), **inputs_of(model)}
     absent = [name for name in given if name not in known and name in all_parameters()]
-    if absent:
-        what = ", ".join(f"{name} = {given[name]}" for name in absent)
-        warnings.warn(
-            f"{what}: left out, the {model} model has no such parameter", DualcamWarning, stacklevel=3
-        )
+    for name in absent:
+        warnings.warn(unused(name, given[name], model), DualcamWarning, stacklevel=3)
     return _with_theta_in_range(model, {name: v for name, v in given.items() if name not in absent})
 
 
