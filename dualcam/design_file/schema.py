@@ -8,7 +8,15 @@ from collections.abc import Mapping, Sequence
 from functools import cache
 from typing import Annotated, Any
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema, create_model
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    WithJsonSchema,
+    create_model,
+)
 from pydantic_core import PydanticCustomError
 
 from dualcam.design_file.units import quantity
@@ -174,8 +182,8 @@ def _words(also: str) -> Any:  # noqa: ANN401
             return text
         raise PydanticCustomError(
             "value",
-            "allowed is text without control characters. In double quotes a backslash begins one: write a path"
-            " in single quotes, 'D:\\bench\\front'",
+            "allowed is text without control characters. In double quotes a backslash begins one: write a"
+            " path in single quotes, 'D:\\bench\\front'",
         )
 
     return Annotated[str, AfterValidator(refuse_control_characters)]
