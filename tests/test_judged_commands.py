@@ -37,8 +37,8 @@ REFUSED = {
         "spring at solid length: at stop.upper = 1.39626 rad its deflection is preload/stiffness + z = 14.96 mm",
     ),
     "stops beyond a table": (
-        '[cam1]\nprofile = "helix"',
-        '[cam1]\nprofile = "table"\ntable = "short.csv"',
+        'profile = "helix"',
+        'profile = "table"\ntable = "short.csv"',
         "stop.upper: groove 1 ends",
     ),
 }
