@@ -34,7 +34,8 @@ REFUSED = {
     "a spring at its solid length": (
         "[spring]",
         '[spring]\nfree_length = "40 mm"\nsolid_length = "30 mm"',
-        "spring at solid length: at stop.upper = 1.39626 rad its deflection is preload/stiffness + z = 14.96 mm",
+        "spring at solid length: at stop.upper = 1.39626 rad its deflection is preload/stiffness + z ="
+        " 14.96 mm",
     ),
     "stops beyond a table": (
         'profile = "helix"',

@@ -20,9 +20,8 @@ def played(model, fmi, start, **options):
     def logger(*message):
         said.append(message[-3:])
 
-    simulate_fmu(
-        str(fmu_path(model, fmi)), stop_time=0.01, step_size=1e-3, start_values=start, logger=logger, **options
-    )
+    fmu = str(fmu_path(model, fmi))
+    simulate_fmu(fmu, stop_time=0.01, step_size=1e-3, start_values=start, logger=logger, **options)
     return said
 
 
@@ -32,8 +31,11 @@ def played(model, fmi, start, **options):
 def test_a_stop_in_degrees_and_a_radius_in_millimetres_are_named(model, fmi, interface):
     said = played(model, fmi, {"stop.upper": 70.0, "cam1.radius": 18.0}, fmi_type=interface)
     assert said == [
-        (WARNING, CATEGORY, b"cam1.radius = 18 m: this looks like millimetres; 18 mm is 0.018 m"),
-        (WARNING, CATEGORY, b"stop.upper = 70 rad: this looks like degrees; 70 deg is 1.2217304763960306 rad"),
+        (WARNING, CATEGORY, text)
+        for text in (
+            b"cam1.radius = 18 m: this looks like millimetres; 18 mm is 0.018 m",
+            b"stop.upper = 70 rad: this looks like degrees; 70 deg is 1.2217304763960306 rad",
+        )
     ]
 
 

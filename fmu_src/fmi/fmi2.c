@@ -24,8 +24,7 @@ const char *fmi2GetVersion(void) {
 
 /* FMI 2.0 reads a message as a printf format with #...# for variables, but not all masters expand it. With % and #
  * doubled the text is right where it is expanded, and readable where it is not. */
-COLD static void send_message(const Log *log, const char *name, fmi2Status status, MessageKind kind,
-                              const char *text) {
+COLD static void send_message(const Log *log, const char *name, fmi2Status status, MessageKind kind, const char *text) {
     const fmi2CallbackLogger logger = (fmi2CallbackLogger)log->logger;
     if (logger == NULL) return;
     char message[2048];
@@ -209,8 +208,7 @@ COLD static fmi2Status discard_status(const Instance *instance, const char *func
              "%s: status kind %d has no answer, no step is ever pending: allowed are fmi2LastSuccessfulTime with "
              "fmi2GetRealStatus and fmi2Terminated with fmi2GetBooleanStatus",
              function, (int)kind);
-    if (instance->logs[MESSAGE_ERROR])
-        send_message(&instance->log, instance->name, fmi2Discard, MESSAGE_ERROR, text);
+    if (instance->logs[MESSAGE_ERROR]) send_message(&instance->log, instance->name, fmi2Discard, MESSAGE_ERROR, text);
     return fmi2Discard;
 }
 

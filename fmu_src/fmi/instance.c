@@ -8,7 +8,6 @@
 
 #include "elementary/elementary.h"
 #include "fmi/resources.h"
-#include "fmi/unit_guards.h"
 #include "numerics/tolerances.h"
 #include "platform/arithmetic.h"
 #include "platform/attributes.h"
@@ -196,6 +195,20 @@ static bool begin_model_exchange(Instance *instance, Fault *fault) {
     return good;
 }
 
+/* One warning for each parameter that looks as if it were in another unit. */
+static void warn_of_units(const Instance *instance) {
+    double value;
+    const UnitGuard *guard = NULL;
+    while ((guard = variables_strange(&instance->values, guard, &value)) != NULL) { /* at most one turn per guard */
+        const Variable *variable = &VARIABLES[guard->variable];
+        const bool is_plain = variable->unit == UNIT_ONE;
+        const char *space = is_plain ? "" : " ", *unit = is_plain ? "" : UNITS[variable->unit].name;
+        const ShortestDecimal given = shortest_decimal(value), meant = shortest_decimal(value / guard->per_unit);
+        instance_warn(instance, "%s = %s%s%s: this looks like %s; %s %s is %s%s%s", variable->name, given.text, space,
+                      unit, guard->likely, given.text, guard->other_unit, meant.text, space, unit);
+    }
+}
+
 bool instance_exit_initialization(Instance *instance, const char *function) {
     if (!instance_is_in(instance, function, PHASE_INITIALIZATION)) return false;
     if (!instance_provide(instance, function, GROUP_STATE)) return false;
@@ -204,7 +217,7 @@ bool instance_exit_initialization(Instance *instance, const char *function) {
     if (run->interface_type == INTERFACE_MODEL_EXCHANGE && !begin_model_exchange(instance, &fault))
         return instance_refuse(instance, "%s: %s", function, fault.text);
     run->phase = run->interface_type == INTERFACE_CO_SIMULATION ? PHASE_STEP : PHASE_EVENT;
-    unit_guards_warn(instance);
+    warn_of_units(instance);
     return true;
 }
 

@@ -1,9 +1,9 @@
-"""Writes unit_guard_table.h: values of the FMUs' parameters that look as if they were in another unit.
+"""Writes unit_guards.def: values of the FMUs' parameters that look as if they were in another unit.
 
     python fmu_src/tools/make_unit_guards.py [--check]
 
-The rules stand in dualcam/unit_guards.csv, from which the Python package reads them, too. Those of design files
-alone are left out.
+The rules stand in dualcam/unit_guards.csv, from which the Python package reads them, too. Rules of design
+files alone are left out.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ import generated
 ROOT = Path(__file__).resolve().parents[2]
 RULES = ROOT / "dualcam/unit_guards.csv"
 VARIABLES = ROOT / "fmu_src/variables.def"
-TABLE = ROOT / "fmu_src/fmi/unit_guard_table.h"
+TABLE = ROOT / "fmu_src/unit_guards.def"
 PARAMETER = re.compile(r'VARIABLE\((\w+), REAL, (\w+), PARAMS, [^,]+, "([^"]+)"')
 
 
