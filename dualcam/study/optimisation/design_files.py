@@ -19,7 +19,6 @@ from dualcam.study.scenario import History, Scenario
 if TYPE_CHECKING:
     from dualcam.design_file import DesignFile
 
-PROFILES = {1: "helix", 2: "ellipse", 3: "table"}
 BARE = re.compile(r"[A-Za-z0-9_-]+")
 
 
@@ -63,12 +62,14 @@ def design_text(task: Optimisation, design: Design, head: str) -> str:
 
 def _set_values(content: dict[str, Any], values: Mapping[str, Scalar]) -> None:
     """Put the values of parameters into the tables of a design file."""
+    from dualcam.design_file.schema import PROFILES
     from dualcam.variables import all_parameters
 
+    words = {number: word for word, number in PROFILES.items()}
     for name in sorted(set(values) & set(all_parameters())):
         group, _, key = name.rpartition(".")
         table = content.setdefault(group, {}) if group else content
-        table[key] = PROFILES[int(values[name])] if key == "profile" else values[name]
+        table[key] = words[int(values[name])] if key == "profile" else values[name]
 
 
 def _with_scenario(
@@ -85,9 +86,11 @@ def _with_scenario(
     table: dict[str, Any] = {"stop": scenario.stop}
     table |= {name: value for name in ("step", "tolerance") if (value := getattr(scenario, name))}
     table |= {key: before[key] for key in ("output_interval",) if key in before}
-    inputs = {name: _history(each) for name, each in scenario.inputs.items() if not each.derivative_of}
     assert isinstance(task.model, FmuRuns)
     held = {**task.model.parameters, **design}
+    inputs: dict[str, Any] = {
+        name: _history(each) for name, each in scenario.inputs.items() if not each.derivative_of
+    }
     inputs |= {name: float(held[name]) for name in all_inputs() if name in held}
     return content | {"scenario": table | ({"inputs": inputs} if inputs else {})}, []
 
@@ -121,8 +124,9 @@ def _unit_comment(path: tuple[str, ...], value: object) -> str:
     from dualcam.variables import all_parameters
 
     parameter = all_parameters().get(".".join(path))
-    is_plain = isinstance(value, str | bool) or parameter is None
-    return "" if is_plain or parameter.unit in ("", "1") else f"  # {parameter.unit}"
+    if parameter is None or isinstance(value, str | bool) or parameter.unit in ("", "1"):
+        return ""
+    return f"  # {parameter.unit}"
 
 
 def _key(name: str) -> str:
