@@ -146,6 +146,17 @@ def test_check_says_of_an_empty_file_that_all_values_are_defaults(tmp_path, caps
     assert said.splitlines()[-1].endswith("the design works, the FMU starts, 1 warning.")
 
 
+def test_a_motion_away_from_zero_is_good_for_every_command(tmp_path, monkeypatch):
+    """The forward model of the page then starts at the nearest stop."""
+    monkeypatch.chdir(tmp_path)
+    motion = "inputs.theta = {time = [0.0, 1.0], value = [0.6, 1.0]}"
+    Path("my.toml").write_text(f"stop.lower = 0.5\n[scenario]\nstop = 1.0\n{motion}\n", encoding="utf-8")
+    for command in ("check", *COMMANDS):
+        more, _ = COMMANDS.get(command, ([], ""))
+        if command not in ("study", "design"):  # which need a section of their own
+            assert main([command, "my.toml", *more]) == 0, command
+
+
 @pytest.mark.parametrize(
     "old, new",
     [
