@@ -269,7 +269,7 @@ def test_info_is_a_page_and_all_is_the_rest(capsys, fmu):
     everything = spoken(capsys, "info", fmu, "--all").out
     assert "Radius of cam 1" in everything and "--all" not in everything
     names = [variable["name"] for variable in answer(capsys, "info", fmu)["variables"]]
-    assert all(name in page and name in everything for name in names)
+    assert all(name in page for name in names)
 
 
 def test_info_says_when_no_variable_is_found(capsys):
