@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import zipfile
 from collections.abc import Mapping
 from pathlib import Path
@@ -21,9 +22,16 @@ def write_archive(path: Path, members: Mapping[str, bytes]) -> None:
     """Write an archive. The members are stored, since compressed bytes would depend on the version of zlib.
 
     The build of the project's FMUs, which runs without this package, has a function of the same name."""
-    with zipfile.ZipFile(path, "w", zipfile.ZIP_STORED) as archive:
+    path.write_bytes(archive_bytes(members))
+
+
+def archive_bytes(members: Mapping[str, bytes]) -> bytes:
+    """The content of the archive that `write_archive` writes."""
+    file = io.BytesIO()
+    with zipfile.ZipFile(file, "w", zipfile.ZIP_STORED) as archive:
         for name in sorted(members):
             info = zipfile.ZipInfo(name, date_time=DATE)
             info.create_system = UNIX
             info.external_attr = (PROGRAM if name.startswith("binaries/") else FILE) << 16
             archive.writestr(info, members[name])
+    return file.getvalue()

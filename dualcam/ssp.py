@@ -2,7 +2,8 @@
 
 A package holds SystemStructure.ssd (components, connectors with units, connections), and under resources
 the FMUs and, for each component, its start values (.ssv). All parameter sets have one name, START: ecos
-applies the sets of a name, libcosim the first of each component.
+applies the sets of a name, libcosim the first of each component, FMPy none. So an FMU of this project gets
+the start values of its component itself, too.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from dualcam.archive import write_archive
+from dualcam.archive import archive_bytes, read_members, write_archive
 from dualcam.errors import DesignError
 from dualcam.module_calls import explain_call_of
 from dualcam.paths import path_of, whole_file
@@ -66,11 +67,44 @@ def split(end: str) -> tuple[str, str]:
 
 @dataclass(frozen=True)
 class Component:
-    """An FMU with start values."""
+    """An FMU with start values.
+
+    Attributes
+    ----------
+    name
+        Letters, digits, _ and -.
+    fmu
+        The FMU, FMI 2.0.
+    values
+        Parameter -> start value, in the FMU's unit. An FMU of this project starts from these values in every
+        master: the package holds a copy with them. Those of another FMU are a parameter set of the package
+        alone, which FMPy's `simulate_ssp` does not read.
+    """
 
     name: str
     fmu: Path
-    values: Mapping[str, Value]  # start values of parameters
+    values: Mapping[str, Value]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "fmu", Path(self.fmu))
+
+    @cached_property
+    def members(self) -> Mapping[str, bytes] | None:
+        """Of the FMU that starts from `values`; None where the FMU in `fmu` is packed as it is."""
+        from dualcam.export.changed import is_own, restarted
+
+        before = read_members(self.fmu) if self.values else {}
+        after = restarted(before, self.values) if is_own(before) else before
+        return None if after is before else after
+
+    @property
+    def resource(self) -> str:
+        """The file of the FMU below resources."""
+        return self.fmu.name if self.members is None else f"{self.name}.fmu"
+
+    def content(self) -> bytes:
+        """The FMU's file in the package."""
+        return self.fmu.read_bytes() if self.members is None else archive_bytes(self.members)
 
     @cached_property
     def description(self) -> ET.Element:
@@ -119,11 +153,30 @@ class System:
     ports: tuple[str, ...] = ()
 
     def save(self, path: str | Path) -> Path:
-        """Write the package; equal systems give equal bytes."""
+        """Write the package; equal systems give equal bytes.
+
+        Parameters
+        ----------
+        path
+            The file. A missing folder is made.
+
+        Returns
+        -------
+        Path
+            The written file.
+
+        Raises
+        ------
+        DesignError
+            Wrong names, start values, connections, ports, times, or FMUs: all problems at once.
+        """
+        from dualcam.export.system_check import check_system
+
+        check_system(self)
         path = Path(path)
         members = {"SystemStructure.ssd": document(structure(self))}
         for component in self.components:
-            members[f"resources/{component.fmu.name}"] = component.fmu.read_bytes()
+            members[f"resources/{component.resource}"] = component.content()
             members[f"resources/{component.name}.ssv"] = document(parameters(component))
         path.parent.mkdir(parents=True, exist_ok=True)
         with whole_file(path) as unfinished:
@@ -176,18 +229,20 @@ def structure(system: System) -> ET.Element:
     add_ports(content, system, units)
     elements = add(content, "ssd:Elements")
     connected = {*system.ports, *(end for pair in system.connections for end in pair)}
+    # FMPy 0.3.32 gives an input without connection the value of another input
+    open_kinds = ("output",) if connected else ("output", "input")
     for component in system.components:
         element = add(
             elements,
             "ssd:Component",
             name=component.name,
             type="application/x-fmu-sharedlibrary",
-            source=f"resources/{component.fmu.name}",
+            source=f"resources/{component.resource}",
             implementation="CoSimulation",
         )
         connectors = add(element, "ssd:Connectors")
         for name, (kind, _) in component.variables.items():
-            is_open = kind == "output" or (kind == "input" and not system.connections)
+            is_open = kind in open_kinds
             if f"{component.name}.{name}" in connected or is_open or name in component.values:
                 units |= add_connector(connectors, component, name)
         bindings = add(element, "ssd:ParameterBindings")
@@ -230,11 +285,7 @@ def parameters(component: Component) -> ET.Element:
     root = ET.Element(tag("ssv:ParameterSet"), name=START, version="1.0")
     values, units = add(root, "ssv:Parameters"), dict[str, dict[str, str]]()
     for name, value in component.values.items():
-        causality, data = component.variables[name]
-        if causality != "parameter":
-            raise DesignError(
-                f"{component.name}.{name} is no parameter (its causality is {causality}): leave it out"
-            )
+        _, data = component.variables[name]
         number = {"value": repr(float(value)) if data.tag == "Real" else repr(int(value))}
         if "unit" in data.attrib:
             number["unit"] = data.attrib["unit"]

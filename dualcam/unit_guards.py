@@ -1,17 +1,20 @@
 """Values that are allowed, but look as if they were given in another unit.
 
-All rules are in the table RULES. A rule only warns: nothing is refused that could be meant. The same
-rules serve design files, the classes of dualcam.design, and files of groove tables.
+All rules are in unit_guards.csv, which says how strange a value must be and how many of the likely unit make
+one. A rule only warns: nothing is refused that could be meant. The same rules serve design files, the classes
+of dualcam.design, files of groove tables, and the FMUs themselves (fmu_src/fmi/unit_guards.h).
 """
 
 from __future__ import annotations
 
+import csv
 import math
 import re
 import warnings
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -19,134 +22,48 @@ from numpy.typing import ArrayLike
 
 from dualcam.errors import UnitWarning
 
-FULL_TURN = 2.0 * math.pi
 STEEPEST = math.radians(85.0)  # lead angle of a table; steeper grooves can hardly be made
 TORQUE_UNITS = {"N.m": 1.0, "N.mm": 1e-3, "N.cm": 1e-2, "mN.m": 1e-3, "kN.m": 1e3}  # in N.m
 FOREIGN = 20.0  # measured over expected torque, from which the unit is doubtful
 ALIKE = 2.5  # a factor up to which two torques are the same but for their unit
-LONGEST = 1.0  # m: radius of a cam, height of a groove
 
 
 @dataclass(frozen=True)
 class Rule:
-    """When a value looks strange, and what could be meant.
-
-    `likely` completes the sentence "this looks like ..."."""
+    """When a value of `unit` looks strange, and the unit that is likely instead, a share of `unit`."""
 
     unit: str
-    is_strange: Callable[[float], bool]
-    likely: Callable[[float], str]
+    side: str  # above: strange is a magnitude above the limit; below: a value between 0 and the limit
+    limit: float
+    likely: str
+    other_unit: str
+    per_unit: float  # how many of the other unit make one
+
+    def is_strange(self, value: float) -> bool:
+        """Whether a value is on the strange side of the limit."""
+        return abs(value) > self.limit if self.side == "above" else 0.0 < value < self.limit
 
     def message(self, name: str, value: float) -> str:
         """The warning for a variable of that name."""
-        unit = f" {self.unit}" if self.unit else ""
-        return f"{name} = {value:.6g}{unit}: this looks like {self.likely(value)}"
+        unit = "" if self.unit == "1" else f" {self.unit}"
+        meant = value / self.per_unit
+        return (
+            f"{name} = {value:.6g}{unit}: this looks like {self.likely}; {value:.6g} {self.other_unit} is"
+            f" {meant:.6g}{unit}"
+        )
 
 
-def _millimetres(value: float) -> str:
-    return f"millimetres; {value:.6g} mm is {value / 1e3:.6g} m"
+def _rules() -> dict[str, list[Rule]]:
+    found: dict[str, list[Rule]] = {}
+    with Path(__file__).with_suffix(".csv").open(newline="", encoding="utf-8") as file:
+        for row in csv.DictReader(file):
+            name, unit, side, limit, likely, other, per_unit = row.values()
+            found.setdefault(name, []).append(Rule(unit, side, float(limit), likely, other, float(per_unit)))
+    return found
 
 
-def _degrees(value: float) -> str:
-    return f"degrees; {value:.6g} deg is {math.radians(value):.6g} rad"
-
-
-def _newtons_per_millimetre(value: float) -> str:
-    return f"N/mm; {value:.6g} N/mm is {value * 1e3:.6g} N/m"
-
-
-def _friction(value: float) -> str:
-    if value >= 90.0:
-        return f"percent; {value:.6g} % is {value / 100.0:.6g}"
-    angle = math.tan(math.radians(value))
-    return f"percent or an angle; {value:.6g} % is {value / 100.0:.6g}, {value:.6g} deg has tan = {angle:.4g}"
-
-
-def _millimetres_per_second(value: float) -> str:
-    return f"mm/s; {value:.6g} mm/s is {value / 1e3:.6g} m/s"
-
-
-def _cubic_millimetres(value: float) -> str:
-    return f"mm3/(N.m); {value:.6g} mm3/(N.m) is {value / 1e9:.6g} m3/(N.m)"
-
-
-def _grams(value: float) -> str:
-    return f"grams; {value:.6g} g is {value / 1e3:.6g} kg"
-
-
-def _small_inertia(value: float) -> str:
-    return f"kg.cm2 or kg.mm2; {value:.6g} kg.cm2 is {value / 1e4:.6g} kg.m2"
-
-
-def _pressure(value: float) -> str:
-    if value < 1e3:
-        return f"GPa; {value:.6g} GPa is {value * 1e9:.6g} Pa"
-    return f"MPa; {value:.6g} MPa is {value * 1e6:.6g} Pa"
-
-
-def _milliseconds(value: float) -> str:
-    return f"milliseconds; {value:.6g} ms is {value / 1e3:.6g} s"
-
-
-def _megapascals(value: float) -> str:
-    return f"MPa; {value:.6g} MPa is {value * 1e6:.6g} Pa"
-
-
-def _above(limit: float) -> Callable[[float], bool]:
-    return lambda value: abs(value) > limit
-
-
-def _between_zero_and(limit: float) -> Callable[[float], bool]:
-    return lambda value: 0.0 < value < limit
-
-
-ANGLE = Rule("rad", _above(FULL_TURN), _degrees)
-LENGTH = Rule("m", _above(LONGEST), _millimetres)
-INERTIA = Rule("kg.m2", _above(1e3), _small_inertia)
-# By the name of the variable, cam1 and cam2 as cam.
-RULES: dict[str, Rule] = {
-    "cam.radius": LENGTH,
-    # an arc of a large ellipse is nearly straight, which can be meant
-    "cam.ellipse_a": Rule("m", _above(5.0), _millimetres),
-    "cam.ellipse_b": Rule("m", _above(5.0), _millimetres),
-    "cam.lead_angle": Rule("rad", _above(0.5 * math.pi), _degrees),
-    "cam.friction": Rule("", _above(1.0), _friction),
-    # 1 mm/s to 0.2 m/s in measurements
-    "cam.stribeck_velocity": Rule("m/s", _above(0.9), _millimetres_per_second),
-    "cam.wear": Rule("m3/(N.m)", _above(1e-9), _cubic_millimetres),
-    # 0 is meant: a spring of preload alone, or of stiffness2 and stiffness3
-    "spring.stiffness": Rule("N/m", _between_zero_and(100.0), _newtons_per_millimetre),
-    "spring.free_length": LENGTH,
-    "spring.solid_length": LENGTH,
-    "stop.lower": ANGLE,
-    "stop.upper": ANGLE,
-    "initial.theta": ANGLE,
-    "scenario.inputs.theta": ANGLE,
-    "scenario.stop": Rule("s", _above(100.0), _milliseconds),
-    "inertia.shaft": INERTIA,
-    "inertia.follower": INERTIA,
-    "inertia.follower_mass": Rule("kg", _above(100.0), _grams),
-    "pin.radius": Rule("m", _above(0.2), _millimetres),
-    "pin.width": Rule("m", _above(0.5), _millimetres),
-    "pin.modulus": Rule("Pa", _between_zero_and(1e6), _pressure),
-    "pin.cam_modulus": Rule("Pa", _between_zero_and(1e6), _pressure),
-    "pin.wear": Rule("m3/(N.m)", _above(1e-9), _cubic_millimetres),
-    "helical_spring.wire_diameter": Rule("m", _above(0.1), _millimetres),
-    "helical_spring.coil_diameter": LENGTH,
-    "helical_spring.tensile_strength": Rule("Pa", _between_zero_and(1e6), _megapascals),
-    "helical_spring.fatigue_strength": Rule("Pa", _between_zero_and(1e6), _megapascals),
-    "helical_spring.shear_modulus": Rule("Pa", _between_zero_and(1e6), _pressure),
-    "roller.bearing_radius": Rule("m", _above(0.2), _millimetres),
-    "roller.lever_arm": Rule("m", _above(0.002), _millimetres),
-    "limits.wear_depth": Rule("m", _above(0.01), _millimetres),
-    "limits.pressure": Rule("Pa", _between_zero_and(1e5), _megapascals),
-    "limits.lead_angle": Rule("rad", _above(0.5 * math.pi), _degrees),
-    "table.psi": ANGLE,
-    "table.z": LENGTH,
-    "table.theta": ANGLE,
-    "table.v": Rule("m/s", _above(5.0), _millimetres_per_second),
-    "table.mu": Rule("", _above(1.0), _friction),
-}
+# By the name of the variable, cam1 and cam2 as cam. Of the rules of a name the first one that holds counts.
+RULES = _rules()
 
 
 def unit_warning(name: str, value: object, shown: str = "") -> str | None:
@@ -171,13 +88,11 @@ def unit_warning(name: str, value: object, shown: str = "") -> str | None:
     >>> unit_warning("cam1.radius", 18)
     'cam1.radius = 18 m: this looks like millimetres; 18 mm is 0.018 m'
     """
-    rule = RULES.get(re.sub(r"^cam[12]\.", "cam.", name))
-    if rule is None or isinstance(value, bool) or not isinstance(value, int | float | np.number):
+    if isinstance(value, bool) or not isinstance(value, int | float | np.number):
         return None
-    number = float(value)
-    if not (math.isfinite(number) and rule.is_strange(number)):
-        return None
-    return rule.message(shown or name, number)
+    number, rules = float(value), RULES.get(re.sub(r"^cam[12]\.", "cam.", name), ())
+    strange = [rule for rule in rules if math.isfinite(number) and rule.is_strange(number)]
+    return strange[0].message(shown or name, number) if strange else None
 
 
 def unit_warnings(parameters: Mapping[str, Any]) -> list[str]:

@@ -76,6 +76,11 @@ def parameters_of(model: str) -> Mapping[str, SettableVariable]:
     return {name: v for name, v in _variables(model).items() if v.causality == "parameter"}
 
 
+def unused(name: str, value: Scalar, model: str) -> str:
+    """The warning about a parameter that only the other model has."""
+    return f"{name} = {value} is not used: the {model} model has no such parameter"
+
+
 def inputs_of(model: str) -> Mapping[str, SettableVariable]:
     """The inputs of one model by name, in the FMU's order."""
     return {name: v for name, v in _variables(model).items() if v.causality == "input"}

@@ -458,7 +458,7 @@ def test_scenarios_that_do_nothing_get_a_warning(tmp_path, scenario, words):
     path.write_text(f"[scenario]\n{scenario}\n", encoding="utf-8")
     verdict = check_design(read_design(path))
     assert verdict.good
-    texts = [finding.text for finding in verdict.findings]
+    texts = [finding.text for finding in verdict.findings if finding.kind != "defaults"]
     assert any(words in text for text in texts) if words else texts == []
 
 

@@ -247,7 +247,7 @@ def test_band_is_that_of_the_fmu(design, capsys):
 def test_a_self_locking_design_is_called_so(design, capsys):
     text = design.read_text(encoding="utf-8").replace("friction = 0.14", "friction = 1.2", 1)
     design.write_text(text, encoding="utf-8")
-    assert "Self-locking from theta = 0 deg" in spoken(capsys, "band", "my.toml").out
+    assert "Self-locking from theta = 0 deg" in spoken(capsys, "band", "my.toml", "--anyway").out
 
 
 @pytest.mark.parametrize("fmu", ["forward", "inverse"])
@@ -257,6 +257,19 @@ def test_info_lists_all_variables(capsys, fmu):
         assert [variable["name"] for variable in found["variables"]] == handle.names
     assert "spring.preload" in spoken(capsys, "info", fmu, "--variables", "spring").out
     assert answer(capsys, "info", fmu, "--fmi", "3")["fmi"].startswith("3.")
+
+
+@pytest.mark.parametrize("fmu", ["forward", "inverse"])
+def test_info_is_a_page_and_all_is_the_rest(capsys, fmu):
+    page = spoken(capsys, "info", fmu).out
+    assert len(page.splitlines()) < 100
+    assert "cam1.radius = 0.02 m" in page and "Radius of cam 1" not in page
+    assert "Axial force on the follower" in page  # inputs and outputs have their descriptions
+    assert "--all: each variable with" in page
+    everything = spoken(capsys, "info", fmu, "--all").out
+    assert "Radius of cam 1" in everything and "--all" not in everything
+    names = [variable["name"] for variable in answer(capsys, "info", fmu)["variables"]]
+    assert all(name in page for name in names)
 
 
 def test_info_says_when_no_variable_is_found(capsys):
@@ -303,10 +316,9 @@ def test_info_warns_of_start_values_that_were_edited(design, capsys, fmi):
     for name, value in expected.items():
         (text,) = [text for text in found if text.startswith(f"{name}: ")]
         assert changes[name] in text.lower() and f"starts from {value!r}" in text
-    assert (
-        "! warning: spring.preload: modelDescription.xml says 77.5"
-        in spoken(capsys, "info", "Edited.fmu").out
-    )
+    said = spoken(capsys, "info", "Edited.fmu")
+    words = "warning: spring.preload: modelDescription.xml says 77.5"
+    assert words in said.err and words not in said.out
 
 
 def edit_start_values(source, target, values):
@@ -347,7 +359,7 @@ def test_a_report_on_a_design_that_does_not_work_says_why(design, capsys):
     design.write_text(
         design.read_text(encoding="utf-8").replace("friction = 0.14", "friction = 1.2", 1), encoding="utf-8"
     )
-    spoken(capsys, "report", "my.toml", "-o", "r.html")
+    spoken(capsys, "report", "my.toml", "-o", "r.html", "--anyway")
     assert "does not work" in Path("r.html").read_text(encoding="utf-8")
 
 
@@ -446,7 +458,7 @@ def test_an_inverse_fmu_whose_stops_exclude_0_starts_at_the_nearest_stop(folder,
         ["export", "-o", "A.fmu"],
         ["report", "-o", "r.html"],
         ["ssp", "-o", "A.ssp"],
-        ["design", "--torque", "5e3", "-o", "groove.csv"],
+        ["design", "--torque", "5e3", "-o", "groove.csv", "--anyway"],
         ["study", "--workers", "0", "--format", "csv"],
     ],
 )
@@ -476,24 +488,26 @@ def test_a_groove_is_found_from_the_folder_of_its_design_file(design, folder, ca
 
 
 def test_a_groove_that_cannot_work_is_called_so(design, capsys):
-    """The findings are those of `dualcam check` with the printed lines in the design file; the lead angle is
+    """The errors are those of `dualcam check` with the printed lines in the design file; the lead angle is
     the slope of the samples."""
-    words = ("design", "my.toml", "--torque", "500", "-o", "groove.csv", "--force")
-    said = spoken(capsys, *words).out
+    words = ("design", "my.toml", "--torque", "500", "-o", "groove.csv")
+    refused = answer(capsys, *words, code=1)["findings"]
+    assert not Path("groove.csv").exists()
+    said = spoken(capsys, *words, "--anyway").out
     psi, z = np.loadtxt("groove.csv", delimiter=",", skiprows=1).T
     steepest = np.degrees(np.arctan((np.diff(z) / np.diff(psi)).max() / 0.02))
     shown = said.partition("lead angle ")[2].split()
     assert float(shown[2]) == pytest.approx(steepest, abs=0.2) and shown[3] == "deg"
-    assert "does not work: `dualcam check` finds" in said.splitlines()[-1]
-    found = answer(capsys, *words)
+    assert said.startswith("my.toml: 2 errors; --anyway goes on\n")
     text = design.read_text(encoding="utf-8")
     for cam in ("cam1", "cam2"):
         text = text.replace(f"[{cam}]", f'[{cam}]\nprofile = "table"\ntable = "groove.csv"')
     design.write_text(text.replace('profile = "helix"', ""), encoding="utf-8")
-    checked = answer(capsys, "check", "my.toml", code=1)
-    assert not found["good"] and len(found["findings"]) == len(checked["findings"]) > 0
-    for key in ("severity", "kind", "key", "change", "nearest"):
-        assert [one[key] for one in found["findings"]] == [one[key] for one in checked["findings"]]
+    found = answer(capsys, "check", "my.toml", code=1)["findings"]
+    checked = [one for one in found if one["severity"] == "error"]
+    assert len(checked) == 2
+    for key in ("kind", "key", "change", "nearest"):
+        assert [one[key] for one in refused] == [one[key] for one in checked]
 
 
 @pytest.mark.parametrize(
@@ -526,7 +540,7 @@ def test_a_study_leaves_out_parameters_of_the_other_model_and_a_byte_order_mark(
 
 def test_a_report_on_a_mechanism_that_jams_has_no_numbers_that_are_none(folder, capsys):
     Path("my.toml").write_text("cam1.friction = 1.2\ncam2.friction = 1.2\n", encoding="utf-8")
-    said = spoken(capsys, "report", "my.toml", "-o", "r.html")
+    said = spoken(capsys, "report", "my.toml", "-o", "r.html", "--anyway")
     assert "NaN" not in said.err
     page = Path("r.html").read_text(encoding="utf-8")
     assert "infinite: the mechanism jams" in page and ">nan" not in page

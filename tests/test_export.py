@@ -595,7 +595,7 @@ def test_an_fmu_that_fails_in_its_reference_run_is_refused(tmp_path, monkeypatch
 
 def test_a_parameter_of_the_other_model_is_left_out_with_a_warning(tmp_path):
     design = Design({"shaft.stiffness": 100.0, "cam1.friction": 0.1})
-    with pytest.warns(DualcamWarning, match=r"shaft.stiffness = 100.0: left out, the forward model"):
+    with pytest.warns(DualcamWarning, match=r"shaft.stiffness = 100.0 is not used: the forward"):
         export_fmu(design, tmp_path / "A.fmu")
     export_fmu(design, tmp_path / "B.fmu", model="inverse")
     with Fmu(tmp_path / "B.fmu") as fmu:

@@ -390,7 +390,8 @@ def test_default_experiment_and_log_categories(model):
     assert {k: float(v) for k, v in experiment.items()} == {
         "startTime": 0.0, "stopTime": 1.0, "stepSize": 1e-3, "tolerance": 1e-9,
     }  # fmt: skip
-    assert [c.attrib["name"] for c in model.document.iter("Category")] == ["logStatusError"]
+    categories = [c.attrib["name"] for c in model.document.iter("Category")]
+    assert categories == ["logStatusError", "logStatusWarning"]
 
 
 def test_initial_is_what_fmi_allows(model):

@@ -17,6 +17,7 @@ from study_cases import FORWARD, refused
 
 from case_studies import optimised_designs
 from dualcam.__main__ import main
+from dualcam.checking import check_design
 from dualcam.design_file import read_design
 from dualcam.errors import DualcamError
 from dualcam.study import (
@@ -572,6 +573,83 @@ samples = 16
     begins = evaluator.design(evaluator.start())
     evaluator.close()
     assert begins["cam1.lead_angle"] == pytest.approx(math.radians(40.0))
+
+
+def test_the_best_design_keeps_the_sections_of_its_design_file(tmp_path, capsys):
+    """All but [study], the path of a table absolute: so `dualcam check` judges the optimum as it judges the
+    start. The mass is free under an efficiency of slow motion. The spring wire is too weak."""
+    folder = tmp_path / "designs"
+    folder.mkdir()
+    (folder / "friction.csv").write_text("v_m_s,mu\n0,0.12\n0.1,0.1\n1,0.1\n")
+    path = folder / "my.toml"
+    path.write_text(
+        """
+title = 'A "best" spring'
+[cam1]
+radius = "20 mm"
+lead_angle = "40 deg"
+friction_table = "friction.csv"
+[spring]
+preload = "100 N"
+free_length = "60 mm"
+solid_length = "31 mm"
+[helical_spring]
+wire_diameter = "2 mm"
+coil_diameter = "30 mm"
+active_coils = 4.5
+grade = "DH"
+[pin]
+radius = "3 mm"
+width = "8 mm"
+[limits]
+lead_angle = ["10 deg", "70 deg"]
+pressure = "1200 MPa"
+[scenario]
+stop = 0.001
+output_interval = 1e-4
+inputs.F_ext = 2.0
+[study.plan.vary]
+"cam1.lead_angle" = {from = "20 deg", to = "70 deg"}
+"cam2.lead_angle" = {same_as = "cam1.lead_angle"}
+"inertia.follower_mass" = {from = "0.1 kg", to = "1 kg"}
+[study.optimise]
+objectives.efficiency = "maximise"
+method = "slsqp"
+"""
+    )
+    assert main(["study", str(path), "--out", str(tmp_path)]) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    file = tmp_path / "my/best.toml"
+    start, best = read_design(path), read_design(file)
+    for section in ("pin", "helical_spring", "spring_limits", "limits", "output_interval", "title"):
+        assert getattr(best, section) == getattr(start, section) is not None, section
+    assert best.scenario.inputs["F_ext"].value == (2.0,)
+    assert best.study is None
+    kept = {name: value for name, value in start.parameters.items() if name != "cam1.lead_angle"}
+    assert {name: best.parameters[name] for name in kept} == kept
+    assert best.parameters["cam1.friction_table"] == str(folder / "friction.csv")
+    assert set(best.parameters) - set(kept) == {"cam1.lead_angle", "cam2.lead_angle", "inertia.follower_mass"}
+    assert "inertia.follower_mass has no influence on the goal" in said
+    assert "inertia.follower_mass has no influence on the goal" in file.read_text(encoding="utf-8")
+    assert "cam1.lead_angle has no influence" not in said
+    refused = {error.kind for error in check_design(file).errors}
+    assert refused == {error.kind for error in check_design(path).errors} != set()
+    assert "best.toml: `dualcam check` refuses this design: " in said
+
+
+def test_what_does_not_influence_the_goal_is_named_and_holds_nothing_back():
+    """The lead angle and the spring decide the torque at rest, the inertia does not."""
+    vary = {
+        "cam1.lead_angle": Vary(0.4, 1.2),
+        "spring.preload": Vary(50.0, 150.0),
+        "inertia.shaft": Vary(0.1, 1.0),
+    }
+    goal, limit = {"torque_load": "maximise"}, {"efficiency": (0.5, None)}
+    found = optimise(Optimisation(FmuRuns("forward", Scenario(0.001)), vary, goal, limit, "slsqp"))
+    assert found.without_influence == ["inertia.shaft"]
+    assert not any(text.startswith("inertia.shaft") for text in found.holding)
+    words = "inertia.shaft has no influence on the goal; any value that keeps the constraints is as good"
+    assert found.idle_words() == [words]
 
 
 def test_the_page_names_every_key():

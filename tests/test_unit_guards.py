@@ -36,7 +36,7 @@ def test_warnings_name_the_likely_unit_and_the_converted_value():
         "cam1.radius = 18 m: this looks like millimetres; 18 mm is 0.018 m",
         "cam2.ellipse_a = 50 m: this looks like millimetres; 50 mm is 0.05 m",
         "cam1.lead_angle = 45 rad: this looks like degrees; 45 deg is 0.785398 rad",
-        "cam2.friction = 14: this looks like percent or an angle; 14 % is 0.14, 14 deg has tan = 0.2493",
+        "cam2.friction = 14: this looks like percent or an angle; 14 % is 0.14",
         "cam1.stribeck_velocity = 5 m/s: this looks like mm/s; 5 mm/s is 0.005 m/s",
         "spring.stiffness = 32 N/m: this looks like N/mm; 32 N/mm is 32000 N/m",
         "stop.upper = 75 rad: this looks like degrees; 75 deg is 1.309 rad",

@@ -319,6 +319,25 @@ def test_fields_and_sliders_set_parameters(show):
     assert get(page, "tau") == pytest.approx(3.0, abs=0.02)
 
 
+def test_a_fixed_parameter_that_begins_the_run_anew_says_so(show):
+    """A tunable parameter changes at the present instant, and nothing begins anew before the run."""
+    page = show()
+    message = page.locator("#message")
+    enter(page, "cam1.lead_angle", 40)
+    assert not message.is_visible()
+    page.evaluate("dualcam.set('tau', 5); dualcam.step(0.05)")
+    enter(page, "cam1.friction", 0.2)
+    assert not message.is_visible() and get(page, "energy.work_in") > 0.0
+    enter(page, "cam1.lead_angle", 30)
+    words = "cam1.lead_angle is fixed during a run: the model began anew with the present angle and speed"
+    assert message.is_visible() and words in message.inner_text()
+    assert get(page, "energy.work_in") == 0.0 and get(page, "time") == pytest.approx(0.05)
+    enter(page, "cam1.friction", 0.1)
+    assert not message.is_visible()
+    page.evaluate("dualcam.set('initial.theta', 0.2)")
+    assert "the model began anew at this start" in message.inner_text()
+
+
 def test_all_parameters_have_a_field(show):
     page = show()
     named = page.evaluate("[...document.querySelectorAll('.field')].map(e => e.dataset.name)")

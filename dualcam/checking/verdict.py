@@ -15,7 +15,7 @@ from dualcam.design_file.toml_text import line_of
 from dualcam.errors import FmuError
 from dualcam.library import fmu_path
 from dualcam.unit_guards import units_checked_before
-from dualcam.variables import inputs_of
+from dualcam.variables import inputs_of, unused
 
 UNIT = "unit"  # kind of a warning about a value that looks like another unit
 NO_CAUSE = ("scenario.stop",)  # values that make no error, whatever their unit
@@ -135,7 +135,7 @@ def check_design(design: DesignSource) -> Verdict:
     if refusal and not has_errors:
         text = f"the FMU does not start: {refusal}{_soft_shaft(design)}"
         findings.append(Finding(ERROR, "", None, text, kind="fmu"))
-    findings += _unused(design)
+    findings += [*_unused(design), *_only_defaults(design)]
     if not (refusal or has_errors):
         findings += implausible(design)
     placed = [finding.at_line(_line(design, finding.key)) for finding in findings]
@@ -180,13 +180,21 @@ def _unused(design: DesignFile) -> list[Finding]:
             WARNING,
             name,
             value,
-            f"{name} = {value} is not used: the {design.model} model has no such parameter"
-            f"{_soft_shaft(design) if name == 'shaft.stiffness' else ''}",
+            unused(name, value, design.model)
+            + (_soft_shaft(design) if name == "shaft.stiffness" else ""),
             kind="unused",
         )
         for name, value in design.parameters.items()
         if name not in known and not name.startswith("initial.")
     ]
+
+
+def _only_defaults(design: DesignFile) -> list[Finding]:
+    """A warning about a file without a parameter."""
+    if design.parameters:
+        return []
+    text = "no parameter is given: every value is the default of the FMU, listed by `dualcam info`"
+    return [Finding(WARNING, "", None, text, kind="defaults")]
 
 
 def _soft_shaft(design: DesignFile) -> str:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 import numpy as np
 
-from dualcam.cli.options import FILE, as_json, design_file, example, open_design
+from dualcam.cli.options import FILE, anyway, as_json, design_file, example, open_design
 from dualcam.cli.output import keep_files_of, print_json, print_table, require_folder_of, say
 
 if TYPE_CHECKING:
@@ -38,8 +38,11 @@ HEADS = (
 @click.option(
     "--points", type=click.IntRange(2, 100_000), default=9, show_default=True, help="Number of angles."
 )
+@anyway
 @as_json
-def command(design_file: Path, output: Path | None, plot: Path | None, points: int, as_json: bool) -> None:
+def command(
+    design_file: Path, output: Path | None, plot: Path | None, points: int, anyway: bool, as_json: bool
+) -> None:
     """Show the torque band over the angle, and the efficiency.
 
     Above `load` the torque turns the cam and loads the spring. Below `release` the spring turns the cam
@@ -56,7 +59,7 @@ def command(design_file: Path, output: Path | None, plot: Path | None, points: i
             require_folder_of(path)
     if plot is not None:
         check_picture(plot)
-    design = open_design(design_file)
+    design = open_design(design_file, anyway, as_json)
     keep_files_of(design, output, plot)
     mechanism = design.mechanism()
     band, fine = torque_band(mechanism, points), torque_band(mechanism, max(points, 361))

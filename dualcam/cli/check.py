@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from dualcam.cli.options import as_json, design_file, example
-from dualcam.cli.output import MARKS, print_json, say
+from dualcam.cli.output import MARKS, count, print_json, say
 
 if TYPE_CHECKING:
     from dualcam.checking import Verdict
@@ -70,8 +70,3 @@ def _conclusion(verdict: Verdict) -> str:
 def _units(verdict: Verdict) -> str:
     strange = len(verdict.strange_units)
     return "1 value looks like another unit" if strange == 1 else f"{strange} values look like other units"
-
-
-def count(number: int, what: str) -> str:
-    """Such as "1 error" or "2 errors"."""
-    return f"{number} {what}{'s' if number != 1 else ''}"

@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 import re
 import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -12,14 +14,12 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from dualcam.cli.check import count, tell_findings
 from dualcam.cli.groove_export import GrooveExport, export_options
-from dualcam.cli.options import as_json, design_file, example, open_design, output_file
+from dualcam.cli.options import anyway, as_json, design_file, example, judge, output_file
 from dualcam.cli.output import print_json, refuse_to_overwrite, say
 from dualcam.errors import DesignError, DualcamWarning
 
 if TYPE_CHECKING:
-    from dualcam.checking import Verdict
     from dualcam.design import Design
     from dualcam.design_file import DesignFile
     from dualcam.model_description import Scalar
@@ -60,6 +60,7 @@ GROOVE2 = ("equal", "given")
 )
 @export_options
 @click.option("--force", is_flag=True, help="Replace existing files.")
+@anyway
 @as_json
 def command(
     design_file: Path,
@@ -68,19 +69,21 @@ def command(
     direction: str,
     groove2: str,
     force: bool,
+    anyway: bool,
     as_json: bool,
     **export: Any,  # noqa: ANN401
 ) -> None:
     """Find the groove that makes a wanted torque, all friction included; or cut grooves.
 
     With --torque: spring, friction, radius and the upper stop are those of the design file. The command
-    writes the table of the groove and prints the lines that put the table into the design file. Then the
-    command prints what `dualcam check` finds in the design with this groove; findings do not change the exit
-    code.
+    writes the table of the groove and prints the lines that put the table into the design file. The command
+    refuses a groove with which `dualcam check` refuses the design.
 
     With --export: the command writes the path of the pin and the flanks of both grooves for a workshop. The
     grooves are those of the design file, or those for the wanted torque.
     """
+    from dualcam.design_file import read_design
+
     exported = GrooveExport.from_options(**export)
     if torque is None and not exported.files:
         raise click.UsageError(
@@ -94,18 +97,17 @@ def command(
     if output is not None:
         refuse_to_overwrite(output, force)
     exported.prepare(force)
-    design = open_design(design_file)
+    design = read_design(design_file)
     found = None if torque is None else _designed(design, torque, direction, groove2 == "given")
+    cams = (1,) if groove2 == "given" else (1, 2)
+    with _with_groove(design, found, cams) as judged:
+        judge(judged, anyway, as_json)
     mechanism = design.mechanism() if found is None else found.mechanism
     files = exported.write(design, mechanism)
     if found is not None and output is not None:
         found.table.write(output)
-    cams = (1,) if groove2 == "given" else (1, 2)
-    verdict = None if found is None else _verdict(design, found, cams, output)
     if as_json:
         designed = {} if found is None else _facts(found, output, cams)
-        if verdict is not None:
-            designed |= {"good": verdict.good, "findings": [one.as_dict() for one in verdict.findings]}
         print_json({**designed, "files": files} if exported.files else designed)
         return
     if found is not None:
@@ -114,34 +116,20 @@ def command(
         _say_how_to_use(output, design_file, cams)
     if files:
         exported.say_written(design, mechanism)
-    if verdict is not None:
-        _tell(verdict, design_file)
 
 
-def _verdict(design: DesignFile, found: Design, cams: tuple[int, ...], written: Path | None) -> Verdict:
-    """Of `dualcam check` on the design with the new groove. The warnings of the file have been shown."""
-    from dualcam.checking import check_design
-
+@contextmanager
+def _with_groove(design: DesignFile, found: Design | None, cams: tuple[int, ...]) -> Iterator[DesignFile]:
+    """The design with the table of a new groove, as long as the context lasts; else the design itself."""
+    if found is None:
+        yield design
+        return
     with TemporaryDirectory() as folder:
-        table = Path(folder) / "groove.csv" if written is None else written.resolve()
-        if written is None:
-            found.table.write(table)
+        table = Path(folder) / "groove.csv"
+        found.table.write(table)
         groove: dict[str, Scalar] = {"profile": 3, "table": str(table)}
         new = {f"cam{cam}.{key}": value for cam in cams for key, value in groove.items()}
-        verdict = check_design(replace(design, parameters=design.parameters | new))
-    others = tuple(one for one in verdict.findings if one not in design.warnings)
-    return replace(verdict, findings=others)
-
-
-def _tell(verdict: Verdict, design_file: Path) -> None:
-    if not verdict.findings and verdict.good:
-        say(f"{design_file} with this groove works: `dualcam check` finds nothing")
-        return
-    tell_findings(verdict)
-    works = "works" if verdict.good else "does not work"
-    numbers = [(len(verdict.errors), "error"), (len(verdict.warnings), "warning")]
-    counted = " and ".join(count(number, what) for number, what in numbers if number)
-    say(f"{design_file} with this groove {works}: `dualcam check` finds {counted}")
+        yield replace(design, parameters=design.parameters | new)
 
 
 def _facts(found: Design, table: Path | None, cams: tuple[int, ...]) -> dict[str, Any]:

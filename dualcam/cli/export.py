@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import click
 
 from dualcam.cli.options import (
+    anyway,
     as_json,
     design_file,
     example,
     fmi_version,
-    open_design,
+    judge,
     output_file,
-    refusals_explained,
 )
 from dualcam.cli.output import print_json, require_folder_of, say, say_where_it_runs
 
@@ -29,8 +30,11 @@ from dualcam.cli.output import print_json, require_folder_of, say, say_where_it_
     type=click.Choice(["forward", "inverse"]),
     help="forward: torque in, motion out. inverse: motion in, torque out. Default: as the scenario says.",
 )
+@anyway
 @as_json
-def command(design_file: Path, output: Path, fmi: str, model: str | None, as_json: bool) -> None:
+def command(
+    design_file: Path, output: Path, fmi: str, model: str | None, anyway: bool, as_json: bool
+) -> None:
     """Make an FMU whose start values are those of the design.
 
     The FMU holds binaries, the groove tables, the scenario as a file of inputs, a documentation page and the
@@ -40,14 +44,15 @@ def command(design_file: Path, output: Path, fmi: str, model: str | None, as_jso
     modelDescription.xml do nothing by themselves: the binaries hold the start values. Change the design file
     and export again.
     """
+    from dualcam.design_file import read_design
     from dualcam.export import export_fmu
     from dualcam.export.scenario import FILE, scenario_for
     from dualcam.platforms import folders_of
 
     require_folder_of(output)
-    design = open_design(design_file)
-    with refusals_explained(design):
-        written = export_fmu(design, output, int(fmi), model)
+    design = read_design(design_file)
+    judge(replace(design, model=model or design.model), anyway, as_json)
+    written = export_fmu(design, output, int(fmi), model)
     size = written.stat().st_size
     if as_json:
         facts = {"fmu": written, "fmi": int(fmi), "model": model or design.model, "bytes": size}

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from dualcam.cli.options import FILE, as_json, design_file, example, open_design, output_file
-from dualcam.cli.output import print_json, print_table, refuse_to_overwrite, require_folder_of, say
+from dualcam.cli.options import FILE, anyway, as_json, design_file, example, open_design, output_file
+from dualcam.cli.output import print_json, print_table, refuse_to_overwrite, require_folder_of, say, warn
 
 if TYPE_CHECKING:
     from dualcam.identification import Identification
@@ -52,6 +52,7 @@ DEFAULT = "friction,spring.preload,spring.stiffness"
     help="Window in which the angle is smoothed. Default: that of the least error of prediction.",
 )
 @click.option("--force", is_flag=True, help="Replace an existing design file.")
+@anyway
 @as_json
 def command(
     data: Path,
@@ -63,6 +64,7 @@ def command(
     motion: str,
     window: float | None,
     force: bool,
+    anyway: bool,
     as_json: bool,
 ) -> None:
     """Fit friction, spring and losses of a design to a recording of time, angle and torque.
@@ -87,7 +89,7 @@ def command(
     if plot is not None:
         check_picture(plot)
     names = [name.strip() for name in fit.split(",") if name.strip()]
-    design = open_design(design_file)
+    design = open_design(design_file, anyway, as_json)
     try:
         unknowns_of(design, names)
     except IdentificationError as error:
@@ -130,4 +132,4 @@ def _tell(found: Identification) -> None:
     for line in found.summary():
         say(line)
     for text in found.warnings():
-        click.echo(f"dualcam: warning: {text}", err=True)
+        warn(text)

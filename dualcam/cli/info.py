@@ -5,12 +5,13 @@ from __future__ import annotations
 import difflib
 from collections.abc import Sequence
 from dataclasses import asdict
+from textwrap import fill
 from typing import TYPE_CHECKING
 
 import click
 
 from dualcam.cli.options import as_json, example
-from dualcam.cli.output import MARKS, print_json, print_table, say
+from dualcam.cli.output import print_json, print_table, say, warn
 
 if TYPE_CHECKING:
     from dualcam.model_description import DefaultExperiment, ModelDescription, Variable
@@ -31,9 +32,12 @@ GROUPS = {
     "--fmi", type=click.Choice(["2", "3"]), help="Version of FMI of forward and inverse. Default: 2."
 )
 @click.option("--variables", default="", metavar="TEXT", help="Only variables whose name contains this text.")
+@click.option("--all", "shows_all", is_flag=True, help="All variables, with their descriptions.")
 @as_json
-def command(fmu: str, fmi: str | None, variables: str, as_json: bool) -> None:
+def command(fmu: str, fmi: str | None, variables: str, shows_all: bool, as_json: bool) -> None:
     """List the variables of an FMU with units, start values and ranges.
+
+    Without --all and --variables: inputs and outputs; of all others names and start values.
 
     FMU is "forward" (the default), "inverse", or the file of any FMU (FMI 2.0 or 3.0).
 
@@ -71,13 +75,19 @@ def command(fmu: str, fmi: str | None, variables: str, as_json: bool) -> None:
     say(f"Platforms: {', '.join(platforms) or 'none, no binaries'}")
     say(f"Default experiment: {_experiment(description.default_experiment)}")
     for text in edited:
-        say(f"{MARKS['warning']} warning: {text}")
+        warn(text)
     known = [*GROUPS, *sorted({each.causality for each in listed} - set(GROUPS))]
     for causality in known:
-        rows = [_row(variable) for variable in listed if variable.causality == causality]
-        if rows:
+        group = [variable for variable in listed if variable.causality == causality]
+        if group:
             say(f"\n{GROUPS.get(causality, causality)}")
-            print_table(("name", "unit", "start", "allowed", "description"), rows)
+            if shows_all or variables or causality in ("input", "output"):
+                print_table(("name", "unit", "start", "allowed", "description"), [_row(one) for one in group])
+            else:
+                say(_short(group))
+    if not (shows_all or variables):
+        say("\n--all: each variable with unit, start value, range and description. --variables spring: those"
+            " with this text in their names.")
 
 
 def _listed(description: ModelDescription, text: str) -> list[Variable]:
@@ -93,6 +103,18 @@ def _listed(description: ModelDescription, text: str) -> list[Variable]:
             f"{description.model_name} has no variable with {text!r} in its name{guess}"
         )
     return listed
+
+
+def _short(variables: Sequence[Variable]) -> str:
+    """Names and start values in lines, those of one group, such as `cam1.`, together."""
+    groups: dict[str, list[str]] = {}
+    for variable in variables:
+        name, start = variable.name, _number(variable.start)
+        unit = "" if variable.unit in (None, "", "1") else f"\xa0{variable.unit}"
+        text = f"{name}\xa0=\xa0{start}{unit}" if start else name
+        groups.setdefault(name.partition(".")[0] if "." in name else "", []).append(text)
+    lines = [fill(", ".join(group), 100, subsequent_indent="  ") for group in groups.values()]
+    return "\n".join(lines).replace("\xa0", " ")  # where no line may break
 
 
 def _experiment(experiment: DefaultExperiment) -> str:

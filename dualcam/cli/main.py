@@ -128,4 +128,6 @@ def _of_the_system(error: OSError) -> str:
 
 
 def _show_warning(message: Warning | str, *_: object, **__: object) -> None:
-    click.echo(f"dualcam: warning: {message}", err=True)
+    from dualcam.cli.output import warn
+
+    warn(str(message))

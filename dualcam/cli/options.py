@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
+
+from dualcam.cli.output import count, warn
 
 if TYPE_CHECKING:
     from dualcam.design_file import DesignFile
@@ -17,6 +18,9 @@ Command = TypeVar("Command", bound=Callable[..., Any])
 FILE = click.Path(path_type=Path)  # each reader has its own message for a missing file
 
 design_file = click.argument("design_file", type=FILE, metavar="DESIGN.toml")
+anyway = click.option(
+    "--anyway", is_flag=True, help="Go on with a design that `dualcam check` refuses, and say so first."
+)
 as_json = click.option("--json", "as_json", is_flag=True, help="Print the result as JSON, for programs.")
 fmi_version = click.option(
     "--fmi", type=click.Choice(["2", "3"]), default="2", show_default=True, help="Version of FMI."
@@ -28,32 +32,30 @@ def output_file(what: str, required: bool = True) -> Callable[[Command], Command
     return click.option("-o", "--output", type=FILE, required=required, help=what)
 
 
-def open_design(path: Path) -> DesignFile:
-    """The design of a file. Its warnings, such as a value that looks like another unit, go to stderr."""
+def open_design(path: Path, anyway: bool, as_json: bool = False) -> DesignFile:
+    """The design of a file, judged by `judge`."""
     from dualcam.design_file import read_design
 
     design = read_design(path)
-    for warning in design.warnings:
-        click.echo(f"dualcam: warning: {path}: {warning}", err=True)
+    judge(design, anyway, as_json)
     return design
 
 
-@contextmanager
-def refusals_explained(design: DesignFile | None) -> Iterator[None]:
-    """DesignFileError with the errors of `dualcam check` where the FMU refuses the design. None is the
-    default mechanism, which the check does not know."""
-    from dualcam.errors import FmuError
+def judge(design: DesignFile, anyway: bool, as_json: bool = False) -> None:
+    """DesignFileError with the errors of `dualcam check`; with `anyway` the errors are printed instead.
+    Warnings go to stderr, and with `as_json` the errors too: JSON stands alone on stdout."""
+    from dualcam.checking import check_design
+    from dualcam.design_file import DesignFileError
 
-    try:
-        yield
-    except FmuError as error:
-        from dualcam.checking import check_design
-        from dualcam.design_file import DesignFileError
-
-        errors = () if design is None else check_design(design).errors
-        if design is None or not errors:
-            raise
-        raise DesignFileError(design.path, errors) from error
+    verdict = check_design(design)
+    for finding in verdict.warnings:
+        warn(f"{design.path}: {finding}")
+    if verdict.good:
+        return
+    if not anyway:
+        raise DesignFileError(design.path, verdict.errors, "--anyway goes on with this design")
+    head = f"{design.path}: {count(len(verdict.errors), 'error')}; --anyway goes on"
+    click.echo("\n".join([head, *(f"  {finding}" for finding in verdict.errors)]), err=as_json)
 
 
 def example(*lines: str) -> str:

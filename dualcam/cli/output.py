@@ -22,6 +22,20 @@ def say(text: str) -> None:
     click.echo(text)
 
 
+def count(number: int, what: str) -> str:
+    """Such as "1 error" or "2 errors"."""
+    return f"{number} {what}{'s' if number != 1 else ''}"
+
+
+def warn(text: str) -> None:
+    """A warning on stderr; once, also where several parts of a command find the same."""
+    context = click.get_current_context(silent=True)
+    said = [] if context is None else context.meta.setdefault("dualcam.warnings", list[str]())
+    if not any(text in earlier for earlier in said):
+        said.append(text)
+        click.echo(f"dualcam: warning: {text}", err=True)
+
+
 def say_where_it_runs(fmu: Path) -> None:
     """A line where the FMU from which others are made runs on this machine's platform alone."""
     from dualcam.platforms import folders_of, is_for_this_platform_alone

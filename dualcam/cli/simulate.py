@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from dualcam.cli.options import FILE, as_json, design_file, example, open_design, output_file
+from dualcam.cli.options import FILE, anyway, as_json, design_file, example, open_design, output_file
 from dualcam.cli.output import keep_files_of, print_json, require_folder_of, say
 
 if TYPE_CHECKING:
@@ -28,9 +28,16 @@ SHOWN_FROM = 200_000  # samples from which a bar shows the progress
 @click.option(
     "--fmu", type=FILE, help="Another FMU, such as an exported one. Default: the FMU of this package."
 )
+@anyway
 @as_json
 def command(
-    design_file: Path, output: Path, plot: Path | None, variables: str, fmu: Path | None, as_json: bool
+    design_file: Path,
+    output: Path,
+    plot: Path | None,
+    variables: str,
+    fmu: Path | None,
+    anyway: bool,
+    as_json: bool,
 ) -> None:
     """Run the scenario of a design file and write all samples.
 
@@ -43,7 +50,7 @@ def command(
     for path in (output, plot):
         if path is not None:
             require_folder_of(path)
-    design = open_design(design_file)
+    design = open_design(design_file, anyway, as_json)
     keep_files_of(design, output, plot)
     names = [name.strip() for name in variables.split(",") if name.strip()]
     if plot is not None:

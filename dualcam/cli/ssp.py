@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from dualcam.cli.options import as_json, design_file, example, open_design, output_file
+from dualcam.cli.options import anyway, as_json, design_file, example, open_design, output_file
 from dualcam.cli.output import print_json, require_folder_of, say, say_where_it_runs
 
 
@@ -21,8 +21,11 @@ from dualcam.cli.output import print_json, require_folder_of, say, say_where_it_
     help="Communication step in s that the package proposes.",
 )
 @click.option("--ports", is_flag=True, help="The system gets the ports of the cam.")
+@anyway
 @as_json
-def command(design_file: Path, output: Path, step: float, ports: bool, as_json: bool) -> None:
+def command(
+    design_file: Path, output: Path, step: float, ports: bool, anyway: bool, as_json: bool
+) -> None:
     """Make an SSP package (SSP 1.0) with the FMU of a design.
 
     The package has one component, `cam`, and the parameters of the design as parameter set `start`. The
@@ -33,7 +36,7 @@ def command(design_file: Path, output: Path, step: float, ports: bool, as_json: 
     from dualcam.ssp import export_ssp
 
     require_folder_of(output)
-    design = open_design(design_file)
+    design = open_design(design_file, anyway, as_json)
     written = export_ssp(design, output, step, ports=ports)
     if as_json:
         print_json({"ssp": written, "step": step})

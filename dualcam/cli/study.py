@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from dualcam.cli.options import FILE, example
+from dualcam.cli.options import FILE, anyway, example, open_design
 
 FORMATS = ("parquet", "csv")
 
@@ -48,6 +48,7 @@ PLAN = """fmu = "forward"
     "--figure", type=FILE, help="One picture of all plots. Default: one per plan, beside the results."
 )
 @click.option("--runs-per-file", type=click.IntRange(1), help="Runs in a file of results.")
+@anyway
 def command(
     plans: tuple[Path, ...],
     out: str,
@@ -56,6 +57,7 @@ def command(
     file_format: str | None,
     figure: Path | None,
     runs_per_file: int | None,
+    anyway: bool,
 ) -> None:
     """Make all runs of a plan and draw the results.
 
@@ -63,6 +65,12 @@ def command(
     """
     from rich.console import Console
 
-    from dualcam.study.command import Settings, run
+    from dualcam.study.command import Settings, read_all, run
+    from dualcam.study.reading.study_file import content_of
+    from dualcam.study.study import Study
 
-    run(plans, Settings(out, workers, scheduler, file_format, figure, runs_per_file), Console())
+    found = read_all(plans)
+    for path, task in found.items():
+        if isinstance(task, Study) and "study" in content_of(path):  # an optimisation judges its own designs
+            open_design(path, anyway)
+    run(found, Settings(out, workers, scheduler, file_format, figure, runs_per_file), Console())

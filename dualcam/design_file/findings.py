@@ -59,7 +59,7 @@ class Finding:
 
 
 class DesignFileError(DesignError):
-    """A design file is refused. The text lists all errors, line by line.
+    """A design file is refused. The text lists all errors, line by line; `advice` is its last line.
 
     Attributes
     ----------
@@ -67,9 +67,10 @@ class DesignFileError(DesignError):
         One for each error, in the order of the lines.
     """
 
-    def __init__(self, path: object, findings: Sequence[Finding]) -> None:
+    def __init__(self, path: object, findings: Sequence[Finding], advice: str = "") -> None:
         self.path = path
         self.findings = tuple(sorted(findings, key=lambda finding: finding.line or 0))
         count = len(self.findings)
         head = f"{path}: {count} error{'s' if count > 1 else ''}"
-        super().__init__("\n".join([head, *(f"  {finding}" for finding in self.findings)]))
+        lines = [*map(str, self.findings), *filter(None, [advice])]
+        super().__init__("\n".join([head, *(f"  {line}" for line in lines)]))

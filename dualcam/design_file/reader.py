@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -103,8 +104,10 @@ class _Reading:
         model = self._model(scenario_table or {})
         scenario = interval = None
         if scenario_table is not None and not self._is_refused("scenario"):
-            interval = scenario_table.get("output_interval")
             scenario = self.attempt("scenario", lambda: _scenario(scenario_table, model))
+            interval = scenario_table.get("output_interval")
+        if scenario is not None:
+            self._check_output_interval(scenario.stop, interval)
         pin = self._pin(values["pin"]) if "pin" in values and not self._is_refused("pin") else None
         roller = self._roller(values["roller"], pin) if "roller" in values else None
         helical_spring = (
@@ -313,6 +316,14 @@ class _Reading:
             )
         return "inverse" if by_model["inverse"] else "forward"
 
+    def _check_output_interval(self, stop: float, interval: float | None) -> None:
+        from dualcam.simulation import sample_times
+
+        try:
+            sample_times(stop, interval)
+        except DualcamError as error:
+            self.refuse("scenario.output_interval", interval, str(error))
+
     def _pin(self, table: Mapping[str, Any]) -> Any:  # noqa: ANN401
         from dualcam.design import Pin
 
@@ -418,5 +429,5 @@ def _shown(value: object) -> str:
         return "{...}"
     if isinstance(value, list) and len(str(value)) > 40:
         return f"a list of {len(value)}"
-    text = f'"{value}"' if isinstance(value, str) else str(value)
+    text = json.dumps(value, ensure_ascii=False) if isinstance(value, str) else str(value)
     return text if len(text) <= 60 else f"{text[:57]}..."

@@ -8,7 +8,15 @@ from collections.abc import Mapping, Sequence
 from functools import cache
 from typing import Annotated, Any
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema, create_model
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    WithJsonSchema,
+    create_model,
+)
 from pydantic_core import PydanticCustomError
 
 from dualcam.design_file.units import quantity
@@ -166,6 +174,21 @@ def _table(name: str, description: str, fields: Mapping[str, Any]) -> Any:  # no
     return (model, Field(default=None, description=description))
 
 
+def _words(also: str) -> Any:  # noqa: ANN401
+    """The type of a text that pages and FMUs show: printable characters, and those of `also`."""
+
+    def refuse_control_characters(text: str) -> str:
+        if all(character.isprintable() or character in also or character == " " for character in text):
+            return text
+        raise PydanticCustomError(
+            "value",
+            "allowed is text without control characters. In double quotes a backslash begins one: write a"
+            " path in single quotes, 'D:\\bench\\front'",
+        )
+
+    return Annotated[str, AfterValidator(refuse_control_characters)]
+
+
 # ---- tables of the file ----
 
 
@@ -316,8 +339,8 @@ def design_model() -> type[BaseModel]:
     """The pydantic model of a whole design file."""
     groups: dict[str, dict[str, Any]] = {}
     top: dict[str, Any] = {
-        "title": (str, Field(default=None, description="A title, for reports")),
-        "description": (str, Field(default=None, description="What the design is for")),
+        "title": (_words(""), Field(default=None, description="A title, for reports")),
+        "description": (_words("\n\r\t"), Field(default=None, description="What the design is for")),
     }
     for name, variable in all_parameters().items():
         group, _, rest = name.rpartition(".")

@@ -42,6 +42,11 @@ class VariableTag:
     unit: str | None
     tag: Tag
 
+    @property
+    def start(self) -> str | None:
+        """The start value as the document has it."""
+        return self.tag.attributes.get("value" if self.tag.name == "Start" else "start")
+
 
 class Description:
     """A modelDescription.xml of this project.

@@ -2,42 +2,34 @@
 
 from __future__ import annotations
 
-import hashlib
 import tempfile
 import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 from dualcam.archive import read_members, write_archive
 from dualcam.design_file import as_design
 from dualcam.errors import DualcamWarning, ExportError
+from dualcam.export.changed import PAGE, Change, changed_members
 from dualcam.export.curves import START_INPUTS, Curves, slow_motion_curves
-from dualcam.export.description import TOKEN, Description, typed
+from dualcam.export.description import Description, typed
 from dualcam.export.figures import figures
 from dualcam.export.names import model_identifier, target_path
 from dualcam.export.page import exported_page
-from dualcam.export.reference import FOLDER as REFERENCE_FOLDER
 from dualcam.export.reference import Reference, reference_result
-from dualcam.export.related_files import FOLDER as RELATED_FOLDER
-from dualcam.export.related_files import PAGE as RELATED_PAGE
 from dualcam.export.related_files import exported_related_files
 from dualcam.export.scenario import FILE as SCENARIO_FILE
 from dualcam.export.scenario import scenario_for, scenario_table, scenario_text
-from dualcam.export.sources import FOLDER as SOURCES_FOLDER
-from dualcam.export.sources import exported_sources
-from dualcam.export.start_block import replace_start_values
 from dualcam.fmu import Fmu
 from dualcam.library import MODELS, fmu_path
 from dualcam.model_description import XML, Scalar
 from dualcam.unit_guards import units_checked_before
-from dualcam.variables import all_parameters, inputs_of, parameters_of
+from dualcam.variables import all_parameters, inputs_of, parameters_of, unused
 
 if TYPE_CHECKING:
     from dualcam.study.scenario import Scenario
-
-PAGE, BINARIES, RESOURCES = "documentation/index.html", "binaries/", "resources/"
 
 
 @runtime_checkable
@@ -162,11 +154,8 @@ def _parameters_of_model(design: Design, model: str) -> dict[str, Scalar]:
     given = {renamed.get(name, name): value for name, value in design.parameters.items()}
     known = {**parameters_of(model), **inputs_of(model)}
     absent = [name for name in given if name not in known and name in all_parameters()]
-    if absent:
-        what = ", ".join(f"{name} = {given[name]}" for name in absent)
-        warnings.warn(
-            f"{what}: left out, the {model} model has no such parameter", DualcamWarning, stacklevel=3
-        )
+    for name in absent:
+        warnings.warn(unused(name, given[name], model), DualcamWarning, stacklevel=3)
     return _with_theta_in_range(model, {name: v for name, v in given.items() if name not in absent})
 
 
@@ -245,43 +234,6 @@ def _core_members(plan: Plan, before: Mapping[str, bytes]) -> tuple[dict[str, by
         "description": sentence,
         "generationTool": f"dualcam export {description.root.attributes['version']}",
     }
-    token = TOKEN[description.fmi]
-    blank = description.edited({**root, token: ""}, plan.identifier, plan.start)
-    guid = _guid(blank, plan.tables)
-    changed = (BINARIES, SOURCES_FOLDER, REFERENCE_FOLDER, RELATED_FOLDER, RELATED_PAGE, PAGE)
-    members = {name: content for name, content in before.items() if not name.startswith(changed)}
+    members = changed_members(before, Change(plan.identifier, root, plan.start, plan.tables))
     members |= exported_related_files(before, description.identifier, plan.identifier)
-    members[XML] = description.edited({**root, token: guid}, plan.identifier, plan.start)
-    members |= _binaries(plan, before, description, guid)
-    renamed = {description.identifier: plan.identifier, description.token: guid}
-    members |= exported_sources(before, renamed, plan.start)
-    members |= {RESOURCES + name: content for name, content in plan.tables.items()}
     return members, names
-
-
-def _guid(description: bytes, tables: Mapping[str, bytes]) -> str:
-    """A hash of the description without GUID, and of the tables: equal FMUs have equal GUIDs."""
-    digest = hashlib.sha256(description)
-    for name in sorted(tables):
-        digest.update(hashlib.sha256(tables[name]).digest())
-    h = digest.hexdigest()
-    return f"{{{h[:8]}-{h[8:12]}-{h[12:16]}-{h[16:20]}-{h[20:32]}}}"
-
-
-def _binaries(
-    plan: Plan, before: Mapping[str, bytes], description: Description, guid: str
-) -> dict[str, bytes]:
-    """The binaries for all platforms, under the new name."""
-    references = {name: description.variables[name].reference for name in plan.start}
-    texts = {references[n]: value for n, value in plan.start.items() if isinstance(value, str)}
-    numbers = {references[n]: float(v) for n, v in plan.start.items() if not isinstance(v, str)}
-    found = {}
-    for name, content in before.items():
-        place = PurePosixPath(name)
-        if name.startswith(BINARIES) and place.stem == description.identifier:
-            renamed = str(place.with_name(plan.identifier + place.suffix))
-            try:
-                found[renamed] = replace_start_values(content, guid, numbers, texts)
-            except ExportError as error:
-                raise ExportError(f"{name} of the project's FMU: {error}") from error
-    return found

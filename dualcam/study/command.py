@@ -3,22 +3,20 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TypeVar
 
 import numpy as np
 from rich.console import Console
 
 from dualcam.errors import DualcamError
+from dualcam.study.optimisation.task import Optimisation
 from dualcam.study.problem import StudyError
 from dualcam.study.reading.study_file import read_study
 from dualcam.study.results import read_results
 from dualcam.study.storage import is_url
 from dualcam.study.study import Study, say
-
-Read = TypeVar("Read")  # what a file describes
 
 
 @dataclass(frozen=True)
@@ -50,8 +48,8 @@ class Settings:
     runs_per_file: int | None = None
 
 
-def run(plans: Sequence[Path], settings: Settings, console: Console) -> None:
-    """Run the studies of these files: plans, or design files with a section [study].
+def run(found: Mapping[Path, Study | Optimisation], settings: Settings, console: Console) -> None:
+    """Run the studies and optimisations that `read_all` found.
 
     Raises
     ------
@@ -60,13 +58,9 @@ def run(plans: Sequence[Path], settings: Settings, console: Console) -> None:
     """
     from dualcam.study import plots
     from dualcam.study.optimisation import command as optimisation
-    from dualcam.study.optimisation.reading import asks_for_optimum, read_optimisation
 
-    if len({plan.stem for plan in plans}) < len(plans):
-        raise StudyError("two plans of the same name would share a folder: rename one")
-    found = _read_all(plans, lambda plan: (read_optimisation if asks_for_optimum(plan) else read_study)(plan))
     tasks = {plan.stem: each for plan, each in found.items() if not isinstance(each, Study)}
-    plans = [plan for plan in plans if plan.stem not in tasks]
+    plans = [plan for plan in found if plan.stem not in tasks]
     studies = [
         (each, _below(settings.folder, plan.stem)) for plan, each in found.items() if isinstance(each, Study)
     ]
@@ -96,12 +90,25 @@ def run(plans: Sequence[Path], settings: Settings, console: Console) -> None:
         optimisation.run(tasks, folder, workers, settings.scheduler, console)
 
 
-def _read_all(paths: Sequence[Path], read: Callable[[Path], Read]) -> dict[Path, Read]:
-    """What each file describes. The mistakes of all files are told at once."""
-    found, errors = {}, []
+def read_all(paths: Sequence[Path]) -> dict[Path, Study | Optimisation]:
+    """What each file describes: plans, or design files with a section [study].
+
+    Raises
+    ------
+    StudyError
+        The mistakes of all files at once, or two files of one name.
+    DesignFileError
+        The only file is a design file with errors.
+    """
+    from dualcam.study.optimisation.reading import asks_for_optimum, read_optimisation
+
+    if len({path.stem for path in paths}) < len(paths):
+        raise StudyError("two plans of the same name would share a folder: rename one")
+    found: dict[Path, Study | Optimisation] = {}
+    errors = []
     for path in paths:
         try:
-            found[path] = read(path)
+            found[path] = read_optimisation(path) if asks_for_optimum(path) else read_study(path)
         except DualcamError as error:
             errors.append(error)
     if len(errors) == 1:

@@ -389,6 +389,11 @@ export class Engine {
     }
   }
 
+  /** Does a new value of the variable start the model anew? */
+  startsAnew(name) {
+    return !isLive(this.#find(name));
+  }
+
   /**
    * Goes on in time, with constant inputs.
    * @param {number} seconds > 0

@@ -127,7 +127,7 @@ def page_content(design: DesignFile | None) -> dict[str, Any]:
     dict
         For JSON.
     """
-    parameters = {} if design is None else design.parameters_for(MODEL)
+    parameters = {} if design is None else _start_values(design)
     with Fmu(fmu_path(MODEL)) as fmu, units_checked_before():
         fmu.start(parameters)  # refuses a design that cannot work, with the FMU's own words
     start, files = _with_tables(parameters)
@@ -140,6 +140,16 @@ def page_content(design: DesignFile | None) -> dict[str, Any]:
         "files": files,
         "scenario": None if design is None else _scenario(design, start),
     }
+
+
+def _start_values(design: DesignFile) -> dict[str, Scalar]:
+    """Parameters of the forward model. A design whose scenario imposes the motion need not say where the
+    forward model starts: where the stops exclude theta = 0, at the nearest stop."""
+    given = design.parameters_for(MODEL)
+    low, high = design.value("stop.lower"), design.value("stop.upper")
+    if design.model == MODEL or low <= 0.0 <= high:
+        return given
+    return {"initial.theta": low if low > 0.0 else high} | given
 
 
 def _description() -> dict[str, Any]:

@@ -27,12 +27,12 @@ const withoutFunction = (message) => message.replace(/^fmi2\w+: /, "").replace(/
 export class Player {
   /**
    * @param {import("dualcam/engine").Engine} engine of the design
-   * @param {(message: string) => void} refuse shows a refusal of the model
+   * @param {(message: string) => void} say shows a message, such as a refusal of the model
    */
-  constructor(engine, refuse) {
+  constructor(engine, say) {
     this.design = engine; // for reset()
     this.engine = engine;
-    this.refuse = refuse;
+    this.say = say;
     this.running = false;
     this.speed = 1;
     this.preset = null;
@@ -159,7 +159,7 @@ export class Player {
       if (!(error instanceof ModelError)) throw error;
       this.hand = null;
       this.pause();
-      this.refuse(`${withoutFunction(error.message)}. The clock rests. Change a value, or press Reset.`);
+      this.say(`${withoutFunction(error.message)}. The clock rests. Change a value, or press Reset.`);
       return;
     }
     this.record();
@@ -219,6 +219,7 @@ export class Player {
       return "torque";
     }
     this.parametersChanged();
+    this.sayWhetherAnew(name);
     return "parameter";
   }
 
@@ -234,7 +235,7 @@ export class Player {
       this.engine.again();
     } catch (error) {
       if (!(error instanceof ModelError)) throw error;
-      this.refuse(`${withoutFunction(error.message)}. The present state stays.`);
+      this.say(`${withoutFunction(error.message)}. The present state stays.`);
       return;
     }
     this.restoreScene();
@@ -304,11 +305,19 @@ export class Player {
       this.engine.set(name, value);
     } catch (error) {
       if (!(error instanceof ModelError)) throw error;
-      this.refuse(`${withoutFunction(error.message)}. The last good value stays.`);
+      this.say(`${withoutFunction(error.message)}. The last good value stays.`);
       return false;
     }
     this.parametersChanged();
     this.tell("parameter");
+    this.sayWhetherAnew(name);
     return true;
+  }
+
+  /** A message where a new value of the parameter has ended the run and begun another one. */
+  sayWhetherAnew(name) {
+    if (this.time === 0 || !this.engine.startsAnew(name)) return;
+    const where = name.startsWith("initial.") ? "at this start" : "with the present angle and speed";
+    this.say(`${name} is fixed during a run: the model began anew ${where}. Energies, peaks and events count from here.`);
   }
 }

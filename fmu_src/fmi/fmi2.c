@@ -24,31 +24,31 @@ const char *fmi2GetVersion(void) {
 
 /* FMI 2.0 reads a message as a printf format with #...# for variables, but not all masters expand it. With % and #
  * doubled the text is right where it is expanded, and readable where it is not. */
-COLD static void send_message(const Log *log, const char *name, fmi2Status status, const char *text) {
+COLD static void send_message(const Log *log, const char *name, fmi2Status status, MessageKind kind, const char *text) {
     const fmi2CallbackLogger logger = (fmi2CallbackLogger)log->logger;
     if (logger == NULL) return;
     char message[2048];
     escape_message(message, sizeof message, text, "%#");
-    logger(log->environment, name, status, ERROR_CATEGORY, message);
+    logger(log->environment, name, status, MESSAGE_CATEGORIES[kind], message);
 }
 
-COLD static void log_error(const Log *log, const char *name, const char *text) {
-    send_message(log, name, fmi2Error, text);
+COLD static void log_message(const Log *log, const char *name, MessageKind kind, const char *text) {
+    send_message(log, name, kind == MESSAGE_ERROR ? fmi2Error : fmi2Warning, kind, text);
 }
 
-/* `loggingOn` concerns debug messages. There are none, and errors are always logged. */
+/* `loggingOn` concerns debug messages. There are none; errors and warnings are always logged. */
 fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2String fmuGUID,
                               fmi2String fmuResourceLocation, const fmi2CallbackFunctions *functions,
                               fmi2Boolean visible, fmi2Boolean loggingOn) {
     (void)visible, (void)loggingOn;
-    Log log = {.error = log_error};
+    Log log = {.send = log_message};
     if (functions != NULL) {
         log.logger = (void (*)(void))functions->logger;
         log.environment = functions->componentEnvironment;
     }
     if (fmuType != fmi2ModelExchange && fmuType != fmi2CoSimulation) {
-        log.error(&log, instanceName != NULL ? instanceName : "",
-                  "fmi2Instantiate: fmuType: allowed are fmi2ModelExchange and fmi2CoSimulation");
+        log.send(&log, instanceName != NULL ? instanceName : "", MESSAGE_ERROR,
+                 "fmi2Instantiate: fmuType: allowed are fmi2ModelExchange and fmi2CoSimulation");
         return NULL;
     }
     const InstanceRequest request = {
@@ -208,7 +208,7 @@ COLD static fmi2Status discard_status(const Instance *instance, const char *func
              "%s: status kind %d has no answer, no step is ever pending: allowed are fmi2LastSuccessfulTime with "
              "fmi2GetRealStatus and fmi2Terminated with fmi2GetBooleanStatus",
              function, (int)kind);
-    if (instance->logs_errors) send_message(&instance->log, instance->name, fmi2Discard, text);
+    if (instance->logs[MESSAGE_ERROR]) send_message(&instance->log, instance->name, fmi2Discard, MESSAGE_ERROR, text);
     return fmi2Discard;
 }
 

@@ -18,20 +18,20 @@ const char *fmi3GetVersion(void) {
 /* ---- life ---- */
 
 /* In a message of FMI, #...# stands for a variable, and ## for #. */
-COLD static void log_error(const Log *log, const char *name, const char *text) {
+COLD static void log_message(const Log *log, const char *name, MessageKind kind, const char *text) {
     (void)name; /* the environment tells instances apart */
     const fmi3LogMessageCallback logger = (fmi3LogMessageCallback)log->logger;
     if (logger == NULL) return;
     char message[2048];
     escape_message(message, sizeof message, text, "#");
-    logger(log->environment, fmi3Error, ERROR_CATEGORY, message);
+    logger(log->environment, kind == MESSAGE_ERROR ? fmi3Error : fmi3Warning, MESSAGE_CATEGORIES[kind], message);
 }
 
 Log fmi3_log(fmi3InstanceEnvironment environment, fmi3LogMessageCallback logger) {
-    return (Log){.error = log_error, .environment = environment, .logger = (void (*)(void))logger};
+    return (Log){.send = log_message, .environment = environment, .logger = (void (*)(void))logger};
 }
 
-/* `loggingOn` concerns debug messages. There are none, and errors are always logged. */
+/* `loggingOn` concerns debug messages. There are none; errors and warnings are always logged. */
 fmi3Instance fmi3InstantiateModelExchange(fmi3String instanceName, fmi3String instantiationToken,
                                           fmi3String resourcePath, fmi3Boolean visible, fmi3Boolean loggingOn,
                                           fmi3InstanceEnvironment instanceEnvironment,
@@ -82,9 +82,9 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
                          .callback = (void (*)(void))intermediateUpdate},
     };
     if (!read_required(requiredIntermediateVariables, nRequiredIntermediateVariables, &request.intermediate)) {
-        log.error(&log, "",
-                  "fmi3InstantiateCoSimulation: requiredIntermediateVariables: allowed are variables with "
-                  "intermediateUpdate = \"true\" in modelDescription.xml");
+        log.send(&log, "", MESSAGE_ERROR,
+                 "fmi3InstantiateCoSimulation: requiredIntermediateVariables: allowed are variables with "
+                 "intermediateUpdate = \"true\" in modelDescription.xml");
         return NULL;
     }
     return instance_new(&request, &log);

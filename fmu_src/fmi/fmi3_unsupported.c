@@ -15,9 +15,9 @@ fmi3Instance fmi3InstantiateScheduledExecution(fmi3String instanceName, fmi3Stri
     (void)instanceName, (void)instantiationToken, (void)resourcePath, (void)visible, (void)loggingOn;
     (void)clockUpdate, (void)lockPreemption, (void)unlockPreemption;
     const Log log = fmi3_log(instanceEnvironment, logMessage);
-    log.error(&log, "",
-              "fmi3InstantiateScheduledExecution: allowed are fmi3InstantiateCoSimulation and "
-              "fmi3InstantiateModelExchange");
+    log.send(&log, "", MESSAGE_ERROR,
+             "fmi3InstantiateScheduledExecution: allowed are fmi3InstantiateCoSimulation and "
+             "fmi3InstantiateModelExchange");
     return NULL;
 }
 

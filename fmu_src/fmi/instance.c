@@ -15,7 +15,7 @@
 
 enum { MESSAGE_SIZE = 1024 };
 
-const char *const ERROR_CATEGORY = "logStatusError";
+const char *const MESSAGE_CATEGORIES[] = {[MESSAGE_ERROR] = "logStatusError", [MESSAGE_WARNING] = "logStatusWarning"};
 
 /* ---- messages ---- */
 
@@ -25,21 +25,29 @@ static void clean(char *text) {
         if (*c < ' ' || *c > '~') *c = '?';
 }
 
-__attribute__((format(printf, 3, 0))) static void log_error(const Log *log, const char *name, const char *format,
-                                                            va_list arguments) {
+__attribute__((format(printf, 4, 0))) static void send_message(const Log *log, const char *name, MessageKind kind,
+                                                               const char *format, va_list arguments) {
     char text[MESSAGE_SIZE];
     vsnprintf(text, sizeof text, format, arguments);
     clean(text);
-    log->error(log, name, text);
+    log->send(log, name, kind, text);
 }
 
 bool instance_refuse(const Instance *instance, const char *format, ...) {
-    if (!instance->logs_errors) return false;
+    if (!instance->logs[MESSAGE_ERROR]) return false;
     va_list arguments;
     va_start(arguments, format);
-    log_error(&instance->log, instance->name, format, arguments);
+    send_message(&instance->log, instance->name, MESSAGE_ERROR, format, arguments);
     va_end(arguments);
     return false;
+}
+
+void instance_warn(const Instance *instance, const char *format, ...) {
+    if (!instance->logs[MESSAGE_WARNING]) return;
+    va_list arguments;
+    va_start(arguments, format);
+    send_message(&instance->log, instance->name, MESSAGE_WARNING, format, arguments);
+    va_end(arguments);
 }
 
 /* instance_refuse() where there is no instance yet. */
@@ -47,7 +55,7 @@ __attribute__((format(printf, 3, 4))) static Instance *refuse_instance(const Log
                                                                        const char *format, ...) {
     va_list arguments;
     va_start(arguments, format);
-    log_error(log, name, format, arguments);
+    send_message(log, name, MESSAGE_ERROR, format, arguments);
     va_end(arguments);
     return NULL;
 }
@@ -88,16 +96,19 @@ COLD bool instance_set_logging(Instance *instance, const char *function, bool on
     if (!instance_is_in(instance, function, ~(unsigned)PHASES_INSIDE_STEP) ||
         !instance_has_array(instance, function, count, categories, "categories"))
         return false;
-    bool errors = count == 0;
+    bool named[MESSAGE_KINDS] = {count == 0, count == 0};
     for (size_t i = 0; i < count; i++) {
         if (!instance_has_pointer(instance, function, categories[i], "a category")) return false;
         if (!is_log_category(categories[i]))
             return instance_refuse(
                 instance, "%s: unknown category \"%.100s\": allowed are the standard ones, such as logStatusError",
                 function, categories[i]);
-        errors = errors || strcmp(categories[i], ERROR_CATEGORY) == 0 || strcmp(categories[i], "logAll") == 0;
+        for (int kind = 0; kind < MESSAGE_KINDS; kind++)
+            named[kind] = named[kind] || strcmp(categories[i], MESSAGE_CATEGORIES[kind]) == 0 ||
+                          strcmp(categories[i], "logAll") == 0;
     }
-    if (errors) instance->logs_errors = on;
+    for (int kind = 0; kind < MESSAGE_KINDS; kind++)
+        if (named[kind]) instance->logs[kind] = on;
     return true;
 }
 
@@ -136,7 +147,7 @@ Instance *instance_new(const InstanceRequest *request, const Log *log) {
         instance_free(instance);
         return refuse_instance(log, request->name, "%s: no memory left", request->function);
     }
-    instance->logs_errors = true;
+    instance->logs[MESSAGE_ERROR] = instance->logs[MESSAGE_WARNING] = true;
     instance->log = *log;
     instance->intermediate = request->intermediate;
     instance->run.interface_type = (uint16_t)request->interface_type;
@@ -184,6 +195,20 @@ static bool begin_model_exchange(Instance *instance, Fault *fault) {
     return good;
 }
 
+/* One warning for each parameter that looks as if it were in another unit. */
+static void warn_of_units(const Instance *instance) {
+    double value;
+    const UnitGuard *guard = NULL;
+    while ((guard = variables_strange(&instance->values, guard, &value)) != NULL) { /* at most one turn per guard */
+        const Variable *variable = &VARIABLES[guard->variable];
+        const bool is_plain = variable->unit == UNIT_ONE;
+        const char *space = is_plain ? "" : " ", *unit = is_plain ? "" : UNITS[variable->unit].name;
+        const ShortestDecimal given = shortest_decimal(value), meant = shortest_decimal(value / guard->per_unit);
+        instance_warn(instance, "%s = %s%s%s: this looks like %s; %s %s is %s%s%s", variable->name, given.text, space,
+                      unit, guard->likely, given.text, guard->other_unit, meant.text, space, unit);
+    }
+}
+
 bool instance_exit_initialization(Instance *instance, const char *function) {
     if (!instance_is_in(instance, function, PHASE_INITIALIZATION)) return false;
     if (!instance_provide(instance, function, GROUP_STATE)) return false;
@@ -192,6 +217,7 @@ bool instance_exit_initialization(Instance *instance, const char *function) {
     if (run->interface_type == INTERFACE_MODEL_EXCHANGE && !begin_model_exchange(instance, &fault))
         return instance_refuse(instance, "%s: %s", function, fault.text);
     run->phase = run->interface_type == INTERFACE_CO_SIMULATION ? PHASE_STEP : PHASE_EVENT;
+    warn_of_units(instance);
     return true;
 }
 

@@ -34,11 +34,14 @@ typedef struct {
         derivatives_given; /* bit r: derivatives of the input with value reference r were set since the last step */
 } Run;
 
+/* What a message is. */
+typedef enum { MESSAGE_ERROR, MESSAGE_WARNING, MESSAGE_KINDS } MessageKind;
+
 /* Where messages go. */
 typedef struct Log Log;
 struct Log {
     /* `text` is plain and of one line. */
-    void (*error)(const Log *log, const char *instance, const char *text);
+    void (*send)(const Log *log, const char *instance, MessageKind kind, const char *text);
     void *environment;
     void (*logger)(void); /* the master's callback; its type is that of the version of FMI */
 };
@@ -54,7 +57,7 @@ typedef struct {
     Values values;
     Run run;
     unsigned valid; /* groups of variables that are up to date with params, inputs and state */
-    bool logs_errors;
+    bool logs[MESSAGE_KINDS];
     Log log;
     IntermediateAccess intermediate;
     char *name;
@@ -125,13 +128,16 @@ bool instance_setup(Instance *instance, const char *function, const double *tole
 /* Ends initialization: to step mode, or, in model exchange and where the master handles events, to event mode. */
 bool instance_exit_initialization(Instance *instance, const char *function);
 
-/* Switches the messages of the categories on or off; no category means all. Only the categories of errors have
- * messages. */
+/* Switches the messages of the categories on or off; no category means all. Only the categories of errors and of
+ * warnings have messages. */
 bool instance_set_logging(Instance *instance, const char *function, bool on, size_t count,
                           const char *const categories[]);
 
 /* Logs the message of a refused call. Returns false. */
 __attribute__((format(printf, 2, 3))) bool instance_refuse(const Instance *instance, const char *format, ...);
+
+/* Logs a message about what is allowed, but may not be meant. */
+__attribute__((format(printf, 2, 3))) void instance_warn(const Instance *instance, const char *format, ...);
 
 /* Copies a message with each character of `doubled` written twice; what does not fit is left out. */
 void escape_message(char *escaped, size_t size, const char *text, const char *doubled);
@@ -140,6 +146,6 @@ void escape_message(char *escaped, size_t size, const char *text, const char *do
 bool instance_has_array(const Instance *instance, const char *function, size_t n, const void *array, const char *name);
 bool instance_has_pointer(const Instance *instance, const char *function, const void *pointer, const char *name);
 
-extern const char *const ERROR_CATEGORY;
+extern const char *const MESSAGE_CATEGORIES[MESSAGE_KINDS];
 
 #endif

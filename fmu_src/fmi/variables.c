@@ -91,6 +91,27 @@ const Limits LIMITS[START_END] = {
 #include "variables.def"
 };
 
+/* ---- values that look as if they were in another unit ---- */
+
+#define SIDE_ABOVE false
+#define SIDE_BELOW true
+static const UnitGuard UNIT_GUARDS[] = {
+#define UNIT_GUARD(model, id, side, limit, likely, other_unit, per_unit)                                               \
+    IN_##model({VR_##id, SIDE_##side, limit, likely, other_unit, per_unit}, )
+#include "unit_guards.def"
+};
+enum { UNIT_GUARD_COUNT = sizeof UNIT_GUARDS / sizeof UNIT_GUARDS[0] };
+
+const UnitGuard *variables_strange(const Values *values, const UnitGuard *previous, double *value) {
+    for (int i = previous == NULL ? 0 : (int)(previous - UNIT_GUARDS) + 1; i < UNIT_GUARD_COUNT; i++) {
+        const UnitGuard *guard = &UNIT_GUARDS[i];
+        if (previous != NULL && guard->variable == previous->variable) continue;
+        *value = *(const double *)((const char *)values + VARIABLES[guard->variable].offset);
+        if (guard->is_below ? *value > 0.0 && *value < guard->limit : fabs(*value) > guard->limit) return guard;
+    }
+    return NULL;
+}
+
 /* ---- start values ---- */
 
 #ifndef MODEL_GUID

@@ -108,6 +108,16 @@ typedef struct {
     double min, max, nominal;
 } Limits;
 
+/* When the value of a parameter, which is allowed, looks as if it were in another unit. */
+typedef struct {
+    uint16_t variable; /* VariableId */
+    bool is_below;     /* strange is a value between 0 and the limit; else a magnitude above the limit */
+    double limit;
+    const char *likely;     /* what a strange value looks like */
+    const char *other_unit; /* the likely unit, */
+    double per_unit;        /* and how many of it make one unit of the variable */
+} UnitGuard;
+
 /* All values that variables have. */
 typedef struct {
     FmuModel model;
@@ -165,6 +175,10 @@ typedef struct {
 extern const Unit UNITS[UNIT_COUNT];
 extern const Variable VARIABLES[REFERENCE_END]; /* by value reference; without a name where there is no variable */
 extern const Limits LIMITS[START_END];          /* by value reference; locals are never set */
+
+/* The unit guard that finds a present value strange, and that value; first, if the previous result is NULL, else the
+ * next one. NULL: there is no other. Of one variable at most one guard is found. */
+const UnitGuard *variables_strange(const Values *values, const UnitGuard *previous, double *value);
 
 /* The variable with that value reference, or NULL. */
 static inline const Variable *variable_find(unsigned reference) {

@@ -79,6 +79,7 @@ void put_head(Sink *sink, const char *version, const char *guid_name, const char
 void put_categories_and_experiment(Sink *sink) {
     put(sink, "  <LogCategories>\n"
               "    <Category name=\"logStatusError\" description=\"Calls that were refused, and why\"/>\n"
+              "    <Category name=\"logStatusWarning\" description=\"Parameters that look like another unit\"/>\n"
               "  </LogCategories>\n"
               "  <DefaultExperiment startTime=\"0\" stopTime=\"1\" tolerance=\"1e-9\" stepSize=\"0.001\"/>\n");
 }

@@ -46,7 +46,7 @@ MAIN_HEADER = {room: f"{room}/{room}.h" for room in MAY_INCLUDE if room != "tool
 # Files that an #include names without a room: the list of variables, the standards' headers, and the header
 # that the archive of an FMU adds to its sources.
 WITHOUT_ROOM = (
-    *("variables.def", "dependencies.def", "identity.h"),
+    *("variables.def", "dependencies.def", "unit_guards.def", "identity.h"),
     *("fmi2Functions.h", "fmi2FunctionTypes.h", "fmi3Functions.h"),
 )
 # A loop that counts to a limit, and the words that give the bound of another loop.

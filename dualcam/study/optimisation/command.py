@@ -59,8 +59,20 @@ def _search(
     write_files(found, folder, folder.name)
     for line in summary(found):
         say(console, line)
+    for text in _refusals(found):
+        say(console, text)
     say(console, f"page: {folder / PAGE}")
     return found
+
+
+def _refusals(found: Optimum) -> list[str]:
+    """What `dualcam check` refuses in the best design, which the constraints do not ask for."""
+    from dualcam.checking import check_design
+
+    if found.folder is None or not fits_design_file(found.task):
+        return []
+    best = found.folder / BEST
+    return [f"{best}: `dualcam check` refuses this design: {error}" for error in check_design(best).errors]
 
 
 def summary(found: Optimum) -> list[str]:
@@ -71,7 +83,8 @@ def summary(found: Optimum) -> list[str]:
         for text, value in found.objectives.items()
     ]
     lines += [f"  {name} = {in_words(task, name, value)}" for name, value in found.design.items()]
-    lines += [f"  active: {text}" for text in found.active]
+    lines += [f"  active: {text}" for text in found.holding]
+    lines += [f"  {text}" for text in found.idle_words()]
     count = f"{found.evaluated:,} designs evaluated, {found.infeasible:,} of them infeasible"
     if found.failed:
         text = max(found.messages, key=lambda text: found.messages[text])
@@ -100,7 +113,7 @@ def _write_table(path: Path, columns: dict[str, np.ndarray]) -> None:
 
 def _write_designs(found: Optimum, folder: Path, title: str) -> None:
     values = ", ".join(f"{text} = {value:.6g}" for text, value in found.objectives.items())
-    head = f"Best design of {title}: {values}"
+    head = "\n".join([f"Best design of {title}: {values}", *found.idle_words()])
     write_design(folder / BEST, found.task, found.design, head)
     if len(found.task.objectives) < 2:
         return

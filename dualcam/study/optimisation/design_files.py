@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import json
+import re
+from collections.abc import Iterator, Mapping
+from copy import deepcopy
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -12,7 +16,10 @@ from dualcam.study.optimisation.task import Design, FmuRuns, Optimisation
 from dualcam.study.sampling.formula import formula
 from dualcam.study.scenario import History, Scenario
 
-PROFILES = {1: "helix", 2: "ellipse", 3: "table"}
+if TYPE_CHECKING:
+    from dualcam.design_file import DesignFile
+
+BARE = re.compile(r"[A-Za-z0-9_-]+")
 
 
 def fits_design_file(task: Optimisation) -> bool:
@@ -29,27 +36,63 @@ def fits_design_file(task: Optimisation) -> bool:
     return all(name in known or name in used for name in names)
 
 
-def design_text(task: Optimisation, design: Design, head: str) -> str:
-    """A design file: fixed values, this design's values, and the scenario where a design file can have it."""
-    from dualcam.variables import all_inputs, all_parameters
+def sections_of(design: DesignFile) -> dict[str, Any]:
+    """The tables of a design file but [study], with absolute paths: the best designs keep them."""
+    from dualcam.design_file.toml_text import parse, read_text
 
+    content = parse(design.path, read_text(design.path))
+    for cam in ("cam1", "cam2"):
+        for key in ("table", "friction_table"):
+            if content.get(cam, {}).get(key):
+                content[cam][key] = str((design.path.parent / content[cam][key]).absolute())
+    return {name: value for name, value in content.items() if name != "study"}
+
+
+def design_text(task: Optimisation, design: Design, head: str) -> str:
+    """A design file: the sections of the original design file, or fixed values; this design's values; and the
+    scenario where a design file can have it."""
     assert isinstance(task.model, FmuRuns)
-    values: dict[str, Scalar] = {**task.model.parameters, **design}
-    lines = [f"# {line}" for line in head.splitlines()] + ["# All values are in SI units."]
-    groups: dict[str, list[str]] = {}
-    parameters = all_parameters()
-    for name, value in values.items():
-        if name not in parameters:
-            continue
+    content: dict[str, Any] = deepcopy(dict(task.model.sections))
+    fixed = {} if content else task.model.parameters
+    _set_values(content, {**fixed, **design})
+    content, remark = _with_scenario(content, task, design)
+    comments = [f"# {line}" for line in [*head.splitlines(), "Numbers are in SI units.", *remark]]
+    return "\n".join([*comments, *toml_lines(content)]) + "\n"
+
+
+def _set_values(content: dict[str, Any], values: Mapping[str, Scalar]) -> None:
+    """Put the values of parameters into the tables of a design file."""
+    from dualcam.design_file.schema import PROFILES
+    from dualcam.variables import all_parameters
+
+    words = {number: word for word, number in PROFILES.items()}
+    for name in sorted(set(values) & set(all_parameters())):
         group, _, key = name.rpartition(".")
-        unit = parameters[name].unit
-        comment = f"  # {unit}" if unit not in (None, "", "1") else ""
-        groups.setdefault(group, []).append(f"{key} = {_literal(name, value)}{comment}")
-    for group in sorted(groups):  # keys without a table first
-        lines += ["", *([f"[{group}]"] if group else []), *groups[group]]
-    held = {name: float(value) for name, value in values.items() if name in all_inputs()}
-    lines += _scenario_lines(_numbers(task, design), held)
-    return "\n".join(lines) + "\n"
+        table = content.setdefault(group, {}) if group else content
+        table[key] = words[int(values[name])] if key == "profile" else values[name]
+
+
+def _with_scenario(
+    content: dict[str, Any], task: Optimisation, design: Design
+) -> tuple[dict[str, Any], list[str]]:
+    """The content with the numbers of the scenario, and a remark where a design file cannot have it."""
+    from dualcam.variables import all_inputs
+
+    scenario, before = _numbers(task, design), content.pop("scenario", {})
+    if scenario.controller is not None:
+        return content, ["The scenario has a controller in Python, which a design file cannot have."]
+    if any(history.shape == "sine" for history in scenario.inputs.values()):
+        return content, ["The scenario has a sine, which a design file cannot have."]
+    table: dict[str, Any] = {"stop": scenario.stop}
+    table |= {name: value for name in ("step", "tolerance") if (value := getattr(scenario, name))}
+    table |= {key: before[key] for key in ("output_interval",) if key in before}
+    assert isinstance(task.model, FmuRuns)
+    held = {**task.model.parameters, **design}
+    inputs: dict[str, Any] = {
+        name: _history(each) for name, each in scenario.inputs.items() if not each.derivative_of
+    }
+    inputs |= {name: float(held[name]) for name in all_inputs() if name in held}
+    return content | {"scenario": table | ({"inputs": inputs} if inputs else {})}, []
 
 
 def _numbers(task: Optimisation, design: Design) -> Scenario:
@@ -59,38 +102,47 @@ def _numbers(task: Optimisation, design: Design) -> Scenario:
     return task.model.scenario.at({**chance, **design})
 
 
-def _literal(name: str, value: Scalar) -> str:
-    if name.endswith(".profile") and not isinstance(value, str) and int(value) in PROFILES:
-        return f'"{PROFILES[int(value)]}"'
+def _history(history: History) -> dict[str, Any]:
+    time, value = ([float(x) for x in numbers] for numbers in (history.time, history.value))
+    shape = {} if history.shape == "linear" else {"shape": history.shape}
+    return {"time": time, "value": value, **shape}
+
+
+def toml_lines(table: Mapping[str, Any], path: tuple[str, ...] = ()) -> Iterator[str]:
+    """The lines of a TOML table: its keys, then the tables inside, each with its header. A number of a
+    parameter has its unit as a comment."""
+    for name, value in table.items():
+        if not isinstance(value, Mapping):
+            yield f"{_key(name)} = {_literal(value)}{_unit_comment((*path, name), value)}"
+    for name, value in table.items():
+        if isinstance(value, Mapping):
+            inner = (*path, name)
+            yield from ["", f"[{'.'.join(map(_key, inner))}]", *toml_lines(value, inner)]
+
+
+def _unit_comment(path: tuple[str, ...], value: object) -> str:
+    from dualcam.variables import all_parameters
+
+    parameter = all_parameters().get(".".join(path))
+    if parameter is None or isinstance(value, str | bool) or parameter.unit in ("", "1"):
+        return ""
+    return f"  # {parameter.unit}"
+
+
+def _key(name: str) -> str:
+    return name if BARE.fullmatch(name) else json.dumps(name)
+
+
+def _literal(value: object) -> str:
+    if isinstance(value, str):
+        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007F")
     if isinstance(value, bool):
         return str(value).lower()
-    if isinstance(value, str):
-        return (
-            "'" + value + "'"
-            if "'" not in value
-            else '"' + value.replace("\\", "\\\\").replace('"', '\\"') + '"'
-        )
-    return repr(int(value) if float(value).is_integer() and isinstance(value, int) else float(value))
-
-
-def _scenario_lines(scenario: Scenario, held: Mapping[str, float]) -> list[str]:
-    if scenario.controller is not None:
-        return ["", "# The scenario has a controller in Python, which a design file cannot have."]
-    if any(history.shape == "sine" for history in scenario.inputs.values()):
-        return ["", "# The scenario has a sine, which a design file cannot have."]
-    lines = ["", "[scenario]", f"stop = {scenario.stop!r}  # s"]
-    lines += [f"{name} = {value!r}" for name in ("step", "tolerance") if (value := getattr(scenario, name))]
-    for name, history in scenario.inputs.items():
-        if not history.derivative_of:
-            lines.append(f'inputs."{name}" = {_history(history)}')
-    lines += [f'inputs."{name}" = {{time = [0.0], value = [{value!r}]}}' for name, value in held.items()]
-    return lines
-
-
-def _history(history: History) -> str:
-    time, value = ([float(x) for x in numbers] for numbers in (history.time, history.value))
-    shape = "" if history.shape == "linear" else f', shape = "{history.shape}"'
-    return f"{{time = {time}, value = {value}{shape}}}"
+    if isinstance(value, list | tuple):
+        return f"[{', '.join(map(_literal, value))}]"
+    if isinstance(value, Mapping):
+        return "{" + ", ".join(f"{_key(name)} = {_literal(each)}" for name, each in value.items()) + "}"
+    return repr(value)
 
 
 def write_design(path: Path, task: Optimisation, design: Design, head: str) -> Path:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -71,6 +72,30 @@ class Optimum:
     failed: int
     messages: dict[str, int]
     folder: Path | None = None
+
+    @cached_property
+    def without_influence(self) -> list[str]:
+        """Names of the designed values that change no objective, wherever they lie between their bounds while
+        the others are those of the best design. Found by five further runs for each value."""
+        from dualcam.study.optimisation.influence import without_influence
+
+        return without_influence(self.task, self.design, list(self.objectives.values()))
+
+    @property
+    def holding(self) -> list[str]:
+        """`active` without the bounds of values that have no influence: those hold nothing back."""
+        idle = tuple(f"{name} is at its " for name in self.without_influence)
+        return [text for text in self.active if not text.startswith(idle)]
+
+    def idle_words(self) -> list[str]:
+        """One sentence for each name in `without_influence`.
+
+        Returns
+        -------
+        list of str
+        """
+        limits = "; any value that keeps the constraints is as good" if self.task.constraints else ""
+        return [f"{name} has no influence on the goal{limits}" for name in self.without_influence]
 
 
 def unbeaten(losses: Array) -> Array:

@@ -103,10 +103,11 @@ def _design(found: Optimum, units: Mapping[str, str]) -> str:
         rows.append(
             (name, f"{_number(value)} {unit}".strip(), _usual(value, unit), _bounds(found, name, value))
         )
-    active = "".join(f"<li>{escape(text)}</li>" for text in found.active)
+    active = "".join(f"<li>{escape(text)}</li>" for text in found.holding)
     held = f"<p>Active: a wider limit would give a better design.</p>\n<ul>{active}</ul>\n" if active else ""
     none = "" if active else "<p>No bound and no constraint is active: the optimum lies inside.</p>\n"
-    return "<h2>Design</h2>\n" + _numbers(("value", "SI", "usual unit", "bounds"), rows) + held + none
+    idle = "".join(f"<p>{escape(text)}.</p>\n" for text in found.idle_words())
+    return "<h2>Design</h2>\n" + _numbers(("value", "SI", "usual unit", "bounds"), rows) + held + none + idle
 
 
 def _bounds(found: Optimum, name: str, value: float | str) -> str:

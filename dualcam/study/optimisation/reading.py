@@ -5,12 +5,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from dualcam.design_file.toml_text import tables_of
 from dualcam.model_description import Scalar
 from dualcam.study.checking import Parts
 from dualcam.study.entries import hint
+from dualcam.study.optimisation.design_files import sections_of
 from dualcam.study.optimisation.task import Deviation, FmuRuns, Optimisation, Range
 from dualcam.study.optimisation.task_check import check_task
 from dualcam.study.plan import Plan
@@ -134,7 +136,8 @@ def _task_of_design(context: Context, design: DesignFile) -> Optimisation | None
     table = validated(search_section_model(), design.study or {}, "study", context.findings)
     scenario = scenario_of(context, table.get("scenario"))
     scenario = scenario or scenario_of_design(context, design, "an optimisation")
-    return _task(context, table, design.study or {}, scenario, design.parameters_for())
+    parameters = design.parameters_for()
+    return _task(context, table, design.study or {}, scenario, parameters, sections_of(design))
 
 
 def _task(
@@ -143,10 +146,11 @@ def _task(
     content: Mapping[str, Any],
     scenario: Scenario | None,
     parameters: Mapping[str, Scalar],
+    sections: Mapping[str, Any] = MappingProxyType({}),
 ) -> Optimisation | None:
     """The optimisation of all parts, checked. None without a plan.
 
-    `content` is the table with what the schema refuses."""
+    `content` is the table with what the schema refuses; `sections` are those of a design file."""
     plan = _plan_of(context, table.get("plan"))
     goals = _Goals(context, table.get("optimise", {}))
     results = list(table.get("results", ()))
@@ -164,7 +168,7 @@ def _task(
     _check_tolerances(context, goals, plan)
     task = unchecked(
         Optimisation,
-        model=FmuRuns(context.fmu, scenario or REST, parameters, plan.derived, plan.constraints),
+        model=FmuRuns(context.fmu, scenario or REST, parameters, plan.derived, plan.constraints, sections),
         vary=plan.vary,
         same_as=plan.same_as,
         correlations=plan.correlations,

@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 from dualcam.model_description import Scalar
 from dualcam.study.entries import hint
@@ -41,6 +42,8 @@ class FmuRuns:
     conditions : mapping of str to str
         Formulas over the varied values that must be true, by a name of theirs: a design that violates one is
         not run.
+    sections : mapping of str to object
+        The tables of the design file that `parameters` come from: the files of the best designs keep them.
 
     Examples
     --------
@@ -54,6 +57,7 @@ class FmuRuns:
     parameters: Mapping[str, Scalar] = field(default_factory=dict)
     derived: Mapping[str, str] = field(default_factory=dict)
     conditions: Mapping[str, str] = field(default_factory=dict)
+    sections: Mapping[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,91 @@
+"""An FMU of this project with other start values: in the XML, the binaries and the C sources."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping
+from pathlib import PurePosixPath
+from typing import NamedTuple
+
+from dualcam.errors import ExportError
+from dualcam.export.description import TOKEN, Description, number_text, typed
+from dualcam.export.reference import FOLDER as REFERENCE_FOLDER
+from dualcam.export.related_files import FOLDER as RELATED_FOLDER
+from dualcam.export.related_files import PAGE as RELATED_PAGE
+from dualcam.export.scenario import FILE as SCENARIO_FILE
+from dualcam.export.sources import FOLDER as SOURCES_FOLDER
+from dualcam.export.sources import exported_sources
+from dualcam.export.start_block import MARK, replace_start_values
+from dualcam.model_description import XML, Scalar
+
+PAGE, BINARIES, RESOURCES = "documentation/index.html", "binaries/", "resources/"
+# Members that hold the start values, or results of a run from them.
+OF_START_VALUES = (
+    BINARIES, SOURCES_FOLDER, REFERENCE_FOLDER, RELATED_FOLDER, RELATED_PAGE, PAGE, SCENARIO_FILE,
+)  # fmt: skip
+
+
+class Change(NamedTuple):
+    """What differs from the original FMU."""
+
+    identifier: str  # the model's name in C
+    root: Mapping[str, str]  # attributes of the XML's root
+    start: Mapping[str, Scalar]  # tables by their names in the FMU's resources
+    tables: Mapping[str, bytes]  # file name in the FMU's resources -> content
+
+
+def is_own(members: Mapping[str, bytes]) -> bool:
+    """Whether the FMU is of this project: its binaries hold the block of start values."""
+    return any(name.startswith(BINARIES) and MARK in content for name, content in members.items())
+
+
+def restarted(members: Mapping[str, bytes], values: Mapping[str, float]) -> Mapping[str, bytes]:
+    """An FMU of this project that starts from other values. It keeps its name, and loses pages and results
+    that belong to the former values. The members themselves where they have these values already."""
+    description = Description(members[XML])
+    start = {name: typed(description.variables[name], value) for name, value in values.items()}
+    if all(description.variables[name].start == number_text(value) for name, value in start.items()):
+        return members
+    return changed_members(members, Change(description.identifier, {}, start, {}))
+
+
+def changed_members(before: Mapping[str, bytes], change: Change) -> dict[str, bytes]:
+    """All members but those that a run from the new start values would give."""
+    description = Description(before[XML])
+    token = TOKEN[description.fmi]
+    blank = description.edited({**change.root, token: ""}, change.identifier, change.start)
+    guid = _guid(blank, change.tables)
+    members = {name: content for name, content in before.items() if not name.startswith(OF_START_VALUES)}
+    members[XML] = description.edited({**change.root, token: guid}, change.identifier, change.start)
+    members |= _binaries(change, before, description, guid)
+    renamed = {description.identifier: change.identifier, description.token: guid}
+    members |= exported_sources(before, renamed, change.start)
+    return members | {RESOURCES + name: content for name, content in change.tables.items()}
+
+
+def _guid(description: bytes, tables: Mapping[str, bytes]) -> str:
+    """A hash of the description without GUID, and of the tables: equal FMUs have equal GUIDs."""
+    digest = hashlib.sha256(description)
+    for name in sorted(tables):
+        digest.update(hashlib.sha256(tables[name]).digest())
+    h = digest.hexdigest()
+    return f"{{{h[:8]}-{h[8:12]}-{h[12:16]}-{h[16:20]}-{h[20:32]}}}"
+
+
+def _binaries(
+    change: Change, before: Mapping[str, bytes], description: Description, guid: str
+) -> dict[str, bytes]:
+    """The binaries for all platforms, under the new name."""
+    references = {name: description.variables[name].reference for name in change.start}
+    texts = {references[n]: value for n, value in change.start.items() if isinstance(value, str)}
+    numbers = {references[n]: float(v) for n, v in change.start.items() if not isinstance(v, str)}
+    found = {}
+    for name, content in before.items():
+        place = PurePosixPath(name)
+        if name.startswith(BINARIES) and place.stem == description.identifier:
+            renamed = str(place.with_name(change.identifier + place.suffix))
+            try:
+                found[renamed] = replace_start_values(content, guid, numbers, texts)
+            except ExportError as error:
+                raise ExportError(f"{name} of the project's FMU: {error}") from error
+    return found

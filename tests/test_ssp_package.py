@@ -1,0 +1,120 @@
+"""Packages of systems: start values reach every master, and a system that cannot be is refused."""
+
+import zipfile
+from dataclasses import replace
+
+import pytest
+from fmpy.ssp.simulation import simulate_ssp
+from fmpy.validation import validate_fmu
+
+from dualcam import DesignError, Fmu, fmu_path
+from dualcam.ssp import Component, System
+
+FORWARD, INVERSE = fmu_path("forward"), fmu_path("inverse")
+CAM = Component("cam", FORWARD, {"inertia.shaft": 0.05, "spring.preload": 10.0})
+OTHER = Component("other", INVERSE, {})
+SYSTEM = System("one", "One cam", (CAM,), (), 1e-3, 0.1, ("cam.tau", "cam.theta"))
+MISTAKES = {
+    "step": ({"step": 0}, "step = 0: allowed is a finite number > 0, in s"),
+    "duration": ({"duration": -1.0}, "duration = -1.0: allowed is a finite number > 0, in s"),
+    "no component": ({"components": ()}, "allowed is one component or more"),
+    "one name": ({"components": (CAM, CAM)}, "component 'cam' is given twice"),
+    "name with a point": ({"components": (Component("c.m", FORWARD, {}),)}, "letters, digits, _ and -"),
+    "no file": ({"components": (Component("cam", "no.fmu", {}),)}, "component 'cam': there is no file"),
+    "FMI 3": (
+        {"components": (Component("cam", fmu_path("forward", fmi=3), {}),)},
+        "is FMI 3.0: SSP 1.0 holds FMUs of FMI 2.0",
+    ),
+    "misspelt parameter": (
+        {"components": (replace(CAM, values={"inertia.shat": 0.1}),)},
+        "has no parameter inertia.shat: did you mean inertia.shaft?",
+    ),
+    "out of range": (
+        {"components": (replace(CAM, values={"cam1.radius": -1.0}),)},
+        "cam.cam1.radius = -1.0: allowed is a finite number >= 1e-06",
+    ),
+    "output to output": (
+        {"connections": (("cam.theta", "cam.omega"),)},
+        "cam.omega is an output, allowed is an input or a tunable parameter",
+    ),
+    "from an input": (
+        {"connections": (("cam.tau", "cam.F_ext"),)},
+        "cam.tau is an input, allowed is an output",
+    ),
+    "to a fixed parameter": (
+        {"connections": (("cam.theta", "cam.stop.upper"),)},
+        "cam.stop.upper is a fixed parameter, allowed is an input or a tunable parameter",
+    ),
+    "units": ({"connections": (("cam.theta", "cam.F_ext"),)}, "the unit rad is not N"),
+    "misspelt variable": ({"connections": (("cam.thet", "cam.F_ext"),)}, "did you mean theta?"),
+    "no such component": (
+        {"connections": (("cm.theta", "cam.F_ext"),)},
+        "no component cm: did you mean cam?",
+    ),
+    "two sources": (
+        {"components": (CAM, OTHER), "connections": (("other.tau", "cam.tau"),)},
+        "cam.tau has two sources, other.tau and the system",
+    ),
+    "port": ({"ports": ("cam.inertia.shaft",)}, "port cam.inertia.shaft is a fixed parameter"),
+    "two ports of one name": (
+        {"components": (CAM, OTHER), "ports": ("cam.z", "other.z")},
+        "ports cam.z and other.z have one name",
+    ),
+}
+
+
+@pytest.mark.parametrize("change, words", MISTAKES.values(), ids=MISTAKES)
+def test_a_system_that_cannot_be_is_refused(tmp_path, change, words):
+    with pytest.raises(DesignError) as refusal:
+        replace(SYSTEM, **change).save(tmp_path / "bad.ssp")
+    assert words in str(refusal.value)
+    assert not (tmp_path / "bad.ssp").exists()
+
+
+def test_all_mistakes_of_a_system_are_named_at_once(tmp_path):
+    wrong = replace(SYSTEM, connections=(("cam.thet", "cam.tau"),), ports=("cam.nothing",))
+    with pytest.raises(DesignError, match=r"(?s)cam\.thet: .*cam\.nothing: "):
+        wrong.save(tmp_path / "bad.ssp")
+
+
+def test_a_master_that_reads_no_parameter_set_runs_with_the_start_values(tmp_path):
+    """FMPy's `simulate_ssp` alone, beside the FMU with these parameters. The input of the system reaches the
+    FMU one step late. The FMU's other input, F_ext, is 0: FMPy would give an open connector another value."""
+    package = SYSTEM.save(tmp_path / "one.ssp")
+    result = simulate_ssp(str(package), stop_time=0.0995, step_size=1e-3, input={"tau": lambda time: 5.0})
+    assert len(result) == 100
+    with Fmu("forward") as fmu:
+        fmu.start(CAM.values)
+        fmu.step(1e-3)
+        tau = fmu.reals("tau")
+        tau.values[0] = 5.0
+        tau.write()
+        for _ in range(99):
+            fmu.step(1e-3)
+        assert fmu.real("theta") > 0.1
+        assert result["theta"][-1] == fmu.real("theta")
+
+
+def test_an_fmu_with_start_values_is_valid_and_starts_from_them(tmp_path):
+    """Also the same FMU twice, each component with values of its own; a component without values keeps the
+    file as it is."""
+    second = Component("second", FORWARD, {"inertia.shaft": 0.02, "contacts": 1})
+    package = replace(SYSTEM, components=(CAM, second, OTHER)).save(tmp_path / "s.ssp")
+    with zipfile.ZipFile(package) as archive:
+        archive.extractall(tmp_path)
+    assert (tmp_path / "resources" / INVERSE.name).read_bytes() == INVERSE.read_bytes()
+    for component in (CAM, second):
+        fmu_file = tmp_path / "resources" / f"{component.name}.fmu"
+        assert validate_fmu(str(fmu_file)) == []
+        with Fmu(fmu_file) as fmu:
+            fmu.start()
+            assert {name: fmu.get(name) for name in component.values} == component.values
+
+
+def test_two_files_of_one_name_are_refused(tmp_path):
+    (tmp_path / "own").mkdir()
+    copy = tmp_path / "own" / FORWARD.name
+    copy.write_bytes(FORWARD.read_bytes())
+    pair = (Component("a", FORWARD, {}), Component("b", copy, {}))
+    with pytest.raises(DesignError, match="have one name in the package"):
+        replace(SYSTEM, components=pair, ports=()).save(tmp_path / "two.ssp")
