@@ -23,13 +23,13 @@ static bool stays_on_piece(const LobattoSystem *s, int i) {
     return range.low >= s->lowest[i] && range.high <= s->highest[i];
 }
 
-/* N, the nominal loads of contact i at the nodes. */
-static LobattoValues nominal_loads(const LobattoSystem *s, int i) {
+/* N, the nominal loads of contact i at the nodes, with the sign of F. */
+static LobattoValues signed_loads(const LobattoSystem *s, int i) {
     const double per_load = 1.0 / (s->slip->params->contacts * s->slip->params->cam[i].radius);
     LobattoValues load;
     for (int k = 0; k < LOBATTO_HALVES; k++) {
         const NodePair *n = &s->pair[k];
-        load.half[k] = per_load * vector2_abs((n->force + n->damper) * n->sliding[i]);
+        load.half[k] = per_load * ((n->force + n->damper) * vector2_abs(n->sliding[i]));
     }
     return load;
 }
@@ -37,14 +37,25 @@ static LobattoValues nominal_loads(const LobattoSystem *s, int i) {
 /* Does the nominal load of contact i stay between two loads of its table, or pass one no farther than a step may? */
 static bool stays_on_patch(const LobattoSystem *s, int i) {
     const FrictionTable *table = s->slip->law[i].table;
-    const LobattoValues load = nominal_loads(s, i);
-    const LobattoRange range = lobatto_range(&load);
-    const double from = load.at[0];
+    const LobattoValues load = signed_loads(s, i);
+    const LobattoRange signed_range = lobatto_range(&load);
+    if (signed_range.low * signed_range.high < 0.0) return false;
+    const double from = fabs(load.at[0]), ends[2] = {fabs(signed_range.low), fabs(signed_range.high)};
+    const LobattoRange range = {min_of(ends[0], ends[1]), max_of(ends[0], ends[1])};
     const KnotCell cell = friction_table_cell(table->load, table->loads, friction_table_find(table->load, 0, table->loads + 1, from));
     const bool up = range.high - from > from - range.low;
     const KnotSteps step = knot_steps(&cell, &cell, s->slip->law[i].fall.overshoot, (Vector2){from, from}, up);
     const double ahead = up ? range.high - from : from - range.low, back = up ? from - range.low : range.high - from;
     return ahead <= step.longest[0] && back <= step.back[0];
+}
+
+/* Does the nominal load of contact i change little enough to be seen by the nodes? */
+static bool resolves_load(const LobattoSystem *s, int i) {
+    const FrictionFall *fall = &s->slip->law[i].fall;
+    if (fall->low == 0.0) return true;
+    const LobattoValues load = signed_loads(s, i);
+    const LobattoRange range = lobatto_range(&load);
+    return friction_load_share(fall, range.low, range.high) == 1.0;
 }
 
 /* Where friction varies: does it change little enough over the step to be seen by the nodes? */
@@ -55,6 +66,7 @@ static bool resolves_friction(const LobattoSystem *s) {
             if (!stays_on_piece(s, i) || (s->patch[i] != NULL && !stays_on_patch(s, i))) return false;
             continue;
         }
+        if (!resolves_load(s, i)) return false;
         const double sliding = s->pair[0].sliding[i][0], v[2] = {range.low * sliding, range.high * sliding};
         const double low = v[0] < v[1] ? v[0] : v[1], high = v[0] < v[1] ? v[1] : v[0];
         if (!friction_is_resolved(&s->slip->law[i].fall, s->speed.at[0] * sliding, low, high)) return false;

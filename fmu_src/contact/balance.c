@@ -255,9 +255,9 @@ static double sliding_speed(const SlipMode *slip, const Balance *b, int i) {
     return slip->direction * b->omega * b->dpsi_dtheta[i] * sqrt(b->length2[i]);
 }
 
-/* N, N_i (model/friction_law.h) */
-static double nominal_load(const SlipMode *slip, const Balance *b, int i) {
-    return fabs(b->force + b->damper) * b->dpsi_dtheta[i] * sqrt(b->length2[i]) /
+/* N, N_i (model/friction_law.h), with the sign of F */
+static double signed_load(const SlipMode *slip, const Balance *b, int i) {
+    return (b->force + b->damper) * b->dpsi_dtheta[i] * sqrt(b->length2[i]) /
            (slip->params->contacts * slip->params->cam[i].radius);
 }
 
@@ -267,9 +267,10 @@ double balance_friction_share(const SlipMode *slip, const Balance *from, const B
         const FrictionFall *fall = &slip->law[i].fall;
         const double part = friction_share(fall, sliding_speed(slip, from, i), sliding_speed(slip, to, i));
         if (part < 1.0) share = min_of(share, fall->table ? part : STEP_SAFETY * part);
-        if (!fall->table) continue;
-        const double from_load = nominal_load(slip, from, i), to_load = nominal_load(slip, to, i);
-        share = min_of(share, friction_table_load_share(fall->table, fall->overshoot, from_load, to_load));
+        const double from_load = signed_load(slip, from, i), to_load = signed_load(slip, to, i);
+        share = min_of(share, fall->table ? friction_table_load_share(fall->table, fall->overshoot, fabs(from_load),
+                                                                      fabs(to_load))
+                                          : friction_load_share(fall, from_load, to_load));
     }
     return share;
 }

@@ -241,14 +241,14 @@ bool domain_check_loading(const Params *p, const Transmission *transmission, dou
 
 /* ---- nothing resists ---- */
 
-/* The pair of flanks that carries F > 0 on the edge of the band; its signed friction coefficients. */
-static bool edge_friction(const Params *p, const Sampler *s, int direction, const double mu[2], double f[2]) {
+/* The pair of flanks that carries F > 0 on the edge of the band; its signed friction coefficients, at rest. */
+static bool edge_friction(const Params *p, const Sampler *s, double F_ext, int direction, double f[2]) {
     Geometry g = cam_geometry(p->cam, s->point.slope);
     int flank[2];
     Transfer transfer;
-    for (int i = 0; i < 2; i++) g.friction[i] = mu[i];
+    cam_set_load(p, spring_force(&p->spring, s->point.z) + F_ext, &g);
     if (!contact_edge(&g, direction, flank, &transfer) || !(transfer.delta > 0.0)) return false;
-    for (int i = 0; i < 2; i++) f[i] = direction * flank[i] * mu[i];
+    for (int i = 0; i < 2; i++) f[i] = direction * flank[i] * g.friction[i];
     return true;
 }
 
@@ -261,13 +261,12 @@ static double missing_at(const Determinant *d, const double slope[2]) {
 }
 
 bool domain_check_motion(const Params *p, const Transmission *transmission, double F_ext, Fault *fault) {
-    double mu[2], most = 0.0, at = 0.0;
+    double most = 0.0, at = 0.0;
     int worst = 0;
-    largest_friction(p, transmission, F_ext, mu);
     for (Sampler s = sampler_of(transmission); next_sample(&s);) { /* at most JAM_SAMPLES turns per piece */
         for (int direction = -1; direction <= 1; direction += 2) {
             Determinant d = {.params = p, .by = resistance_of(p, direction)};
-            if (!edge_friction(p, &s, direction, mu, d.f)) continue;
+            if (!edge_friction(p, &s, F_ext, direction, d.f)) continue;
             const double missing = missing_at(&d, s.point.slope);
             const bool outweighed = has_inertia(p) && missing >= d.by.shaft;
             const bool level = d.by.shaft == 0.0 && d.by.turning == 0.0 &&

@@ -87,6 +87,7 @@ static FrictionFall friction_fall(const CamParams *cam, double tolerance) {
     const double overshoot = friction_overshoot(tolerance);
     if (law->table) return (FrictionFall){.table = law->table, .overshoot = overshoot};
     FrictionFall fall = {.overshoot = overshoot, .end = -INFINITY};
+    if (friction_depends_on_load(cam)) fall.low = NOMINAL_LOAD_LOW * law->load;
     if (excess_of(cam) == 0.0) return fall;
     const bool gauss = law->stribeck_exponent == 2, tight = tolerance < STRIBECK_TIGHT;
     const double fallen = tight ? STRIBECK_FALLEN_TIGHT : STRIBECK_FALLEN;

@@ -70,6 +70,7 @@ typedef struct {
     double span; /* m/s, the change of speed in one step below the end */
     const FrictionTable *table;
     double overshoot; /* share of a piece of the table */
+    double low;       /* N, around which a law of the load bends: NOMINAL_LOAD_LOW N_ref; 0: no such law */
 } FrictionFall;
 
 /* The share, above 0 and at most 1, of a change of speed from v to `to` that one step may span. */
@@ -77,6 +78,15 @@ static inline double friction_share(const FrictionFall *fall, double v, double t
     if (fall->table) return friction_table_share(fall->table, fall->overshoot, v, to);
     if ((v < to ? v : to) >= fall->end) return 1.0;
     const double allowed = (v > fall->end ? v - fall->end : 0.0) + fall->span, change = v > to ? v - to : to - v;
+    return allowed < change ? allowed / change : 1.0;
+}
+
+/* The share, above 0 and at most 1, of a change of the load, N, signed as F, that one step may span: near load zero the law has
+ * a bend as wide as `low`, which the nodes of a longer step would not see. */
+static inline double friction_load_share(const FrictionFall *fall, double from, double to) {
+    if (fall->low == 0.0) return 1.0;
+    const double nearest = from * to <= 0.0 ? 0.0 : min_of(fabs(from), fabs(to)), change = fabs(to - from);
+    const double allowed = NOMINAL_LOAD_SPAN * (nearest + fall->low);
     return allowed < change ? allowed / change : 1.0;
 }
 

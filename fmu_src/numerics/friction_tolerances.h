@@ -23,6 +23,10 @@ static const double LOBATTO_FALL_LEAST = 8.0, LOBATTO_FALL_FAINT = 3.0, LOBATTO_
 /* Share of N_ref below which friction hardly depends on the load. */
 static const double NOMINAL_LOAD_LOW = 0.1;
 
+/* Change of the load in one step, over the least load in it plus NOMINAL_LOAD_LOW N_ref: the law's poles then lie so far off
+ * that each stage gains half a digit. */
+static const double NOMINAL_LOAD_SPAN = 1.0;
+
 /* At rest while F_ext varies: samples of the band's edge, and steps of the search between two. */
 enum { LOADED_REST_SAMPLES = 32, LOADED_GOLDEN_STEPS = 20 };
 
