@@ -458,7 +458,7 @@ def test_an_inverse_fmu_whose_stops_exclude_0_starts_at_the_nearest_stop(folder,
         ["export", "-o", "A.fmu"],
         ["report", "-o", "r.html"],
         ["ssp", "-o", "A.ssp"],
-        ["design", "--torque", "5e3", "-o", "groove.csv", "--anyway"],
+        ["design", "--torque", "5e3", "-o", "groove.csv"],
         ["study", "--workers", "0", "--format", "csv"],
     ],
 )
@@ -488,26 +488,28 @@ def test_a_groove_is_found_from_the_folder_of_its_design_file(design, folder, ca
 
 
 def test_a_groove_that_cannot_work_is_called_so(design, capsys):
-    """The errors are those of `dualcam check` with the printed lines in the design file; the lead angle is
-    the slope of the samples."""
-    words = ("design", "my.toml", "--torque", "500", "-o", "groove.csv")
-    refused = answer(capsys, *words, code=1)["findings"]
-    assert not Path("groove.csv").exists()
-    said = spoken(capsys, *words, "--anyway").out
+    """The findings are those of `dualcam check` with the printed lines in the design file; the lead angle is
+    the slope of the samples. Files for a workshop are refused."""
+    words = ("design", "my.toml", "--torque", "500", "-o", "groove.csv", "--force")
+    refused = answer(capsys, *words, "--export", "cut.csv", code=1)["findings"]
+    assert not Path("groove.csv").exists() and not Path("cut_cam1.csv").exists()
+    said = spoken(capsys, *words).out
     psi, z = np.loadtxt("groove.csv", delimiter=",", skiprows=1).T
     steepest = np.degrees(np.arctan((np.diff(z) / np.diff(psi)).max() / 0.02))
     shown = said.partition("lead angle ")[2].split()
     assert float(shown[2]) == pytest.approx(steepest, abs=0.2) and shown[3] == "deg"
-    assert said.startswith("my.toml: 2 errors; --anyway goes on\n")
+    assert "does not work: `dualcam check` finds" in said.splitlines()[-1]
+    found = answer(capsys, *words)
     text = design.read_text(encoding="utf-8")
     for cam in ("cam1", "cam2"):
         text = text.replace(f"[{cam}]", f'[{cam}]\nprofile = "table"\ntable = "groove.csv"')
     design.write_text(text.replace('profile = "helix"', ""), encoding="utf-8")
-    found = answer(capsys, "check", "my.toml", code=1)["findings"]
-    checked = [one for one in found if one["severity"] == "error"]
-    assert len(checked) == 2
-    for key in ("kind", "key", "change", "nearest"):
-        assert [one[key] for one in refused] == [one[key] for one in checked]
+    checked = answer(capsys, "check", "my.toml", code=1)
+    assert not found["good"] and len(found["findings"]) == len(checked["findings"]) > 0
+    errors = [one for one in checked["findings"] if one["severity"] == "error"]
+    for key in ("severity", "kind", "key", "change", "nearest"):
+        assert [one[key] for one in found["findings"]] == [one[key] for one in checked["findings"]]
+        assert [one[key] for one in refused] == [one[key] for one in errors]
 
 
 @pytest.mark.parametrize(

@@ -14,12 +14,14 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from dualcam.cli.check import tell_findings
 from dualcam.cli.groove_export import GrooveExport, export_options
 from dualcam.cli.options import anyway, as_json, design_file, example, judge, output_file
-from dualcam.cli.output import print_json, refuse_to_overwrite, say
+from dualcam.cli.output import count, print_json, refuse_to_overwrite, say, warn
 from dualcam.errors import DesignError, DualcamWarning
 
 if TYPE_CHECKING:
+    from dualcam.checking import Verdict
     from dualcam.design import Design
     from dualcam.design_file import DesignFile
     from dualcam.model_description import Scalar
@@ -76,8 +78,9 @@ def command(
     """Find the groove that makes a wanted torque, all friction included; or cut grooves.
 
     With --torque: spring, friction, radius and the upper stop are those of the design file. The command
-    writes the table of the groove and prints the lines that put the table into the design file. The command
-    refuses a groove with which `dualcam check` refuses the design.
+    writes the table of the groove and prints the lines that put the table into the design file. Then the
+    command prints what `dualcam check` finds in the design with this groove; findings do not change the exit
+    code, and only --export refuses such a design.
 
     With --export: the command writes the path of the pin and the flanks of both grooves for a workshop. The
     grooves are those of the design file, or those for the wanted torque.
@@ -101,13 +104,17 @@ def command(
     found = None if torque is None else _designed(design, torque, direction, groove2 == "given")
     cams = (1,) if groove2 == "given" else (1, 2)
     with _with_groove(design, found, cams) as judged:
-        judge(judged, anyway, as_json)
+        if exported.files:
+            judge(judged, anyway, as_json)
+        verdict = None if exported.files else _verdict(judged)
     mechanism = design.mechanism() if found is None else found.mechanism
     files = exported.write(design, mechanism)
     if found is not None and output is not None:
         found.table.write(output)
     if as_json:
         designed = {} if found is None else _facts(found, output, cams)
+        if verdict is not None:
+            designed |= {"good": verdict.good, "findings": [one.as_dict() for one in verdict.findings]}
         print_json({**designed, "files": files} if exported.files else designed)
         return
     if found is not None:
@@ -116,6 +123,30 @@ def command(
         _say_how_to_use(output, design_file, cams)
     if files:
         exported.say_written(design, mechanism)
+    if verdict is not None:
+        _tell(verdict, design_file)
+
+
+def _verdict(design: DesignFile) -> Verdict:
+    """Of `dualcam check`, without the warnings of the file, which are said here."""
+    from dualcam.checking import check_design
+
+    for warning in design.warnings:
+        warn(f"{design.path}: {warning}")
+    verdict = check_design(design)
+    others = tuple(one for one in verdict.findings if one not in design.warnings)
+    return replace(verdict, findings=others)
+
+
+def _tell(verdict: Verdict, design_file: Path) -> None:
+    if not verdict.findings and verdict.good:
+        say(f"{design_file} with this groove works: `dualcam check` finds nothing")
+        return
+    tell_findings(verdict)
+    works = "works" if verdict.good else "does not work"
+    numbers = [(len(verdict.errors), "error"), (len(verdict.warnings), "warning")]
+    counted = " and ".join(count(number, what) for number, what in numbers if number)
+    say(f"{design_file} with this groove {works}: `dualcam check` finds {counted}")
 
 
 @contextmanager

@@ -14,7 +14,7 @@ from dualcam.study.optimisation.optimum import Optimum
 from dualcam.study.optimisation.page import shown, write_page
 from dualcam.study.optimisation.run import optimise
 from dualcam.study.optimisation.shown import shown as in_words
-from dualcam.study.optimisation.task import Optimisation
+from dualcam.study.optimisation.task import FmuRuns, Optimisation
 from dualcam.study.problem import StudyError, refuse
 
 if TYPE_CHECKING:
@@ -66,10 +66,11 @@ def _search(
 
 
 def _refusals(found: Optimum) -> list[str]:
-    """What `dualcam check` refuses in the best design, which the constraints do not ask for."""
+    """What `dualcam check` refuses in the best design of a design file; a plan has no [limits] to be kept."""
     from dualcam.checking import check_design
 
-    if found.folder is None or not fits_design_file(found.task):
+    model = found.task.model
+    if not (found.folder and isinstance(model, FmuRuns) and model.sections and fits_design_file(found.task)):
         return []
     best = found.folder / BEST
     return [f"{best}: `dualcam check` refuses this design: {error}" for error in check_design(best).errors]
