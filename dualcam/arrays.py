@@ -87,8 +87,8 @@ def _type_of(given: NDArray[np.generic]) -> str:
     """The type of elements, and the end of a message about them."""
     kind = given.dtype.kind
     shown = "text" if kind in "SUT" else str(given.dtype)
-    if kind == "O" and given.size > 0:
-        shown += f", such as {given.flat[0]!r:.40}"
+    if kind in "SUTO" and given.size > 0:
+        shown += f", such as {given.ravel()[:1].tolist()[0]!r:.40}"
     return f"{shown}: allowed are real numbers{REMEDIES.get(kind, '')}"
 
 

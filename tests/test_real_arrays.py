@@ -23,7 +23,7 @@ REFUSED = {
     "dates": (np.array(["2024-01-01"], "datetime64[s]"), r"datetime64\[s\].*t - t\[0\]"),
     "durations of Python": ([datetime.timedelta(seconds=1)], "object, such as datetime.timedelta"),
     "booleans": (np.array([True, False]), "bool: allowed are real numbers"),
-    "text": (["1.0", "2.0"], "text: allowed are real numbers"),
+    "text": (["1.0", "2.0"], "text, such as '1.0': allowed are real numbers"),
     "complex": ([1.0 + 0.0j], "complex128"),
     "objects": ([Decimal("0.1")], "object, such as Decimal"),
     "nothing": (None, "object, such as None"),

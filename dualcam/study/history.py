@@ -130,7 +130,8 @@ class History:
             )
         for name, numbers in (("time", self.time), ("value", self.value)):
             try:
-                real_array([number for number in numbers if not isinstance(number, str)], name, StudyError)
+                given = [number for number in numbers if number is not None and not isinstance(number, str)]
+                real_array(given, name, StudyError)
             except StudyError as error:
                 return [*found, str(error)]
             strange = [number for number in map(known_number, numbers) if number is not None]
