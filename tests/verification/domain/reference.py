@@ -61,7 +61,11 @@ class Simulation:
     def _start(self, first: Interval) -> None:
         """The mode before time 0, of the inputs' values there."""
         self._set_inputs(Interval(first.duration, first.tau[:1], first.f_ext[:1]))
-        sigma, mode = self._side_at_rest(0.0) if self.omega == 0 else (int(math.copysign(1, self.omega)), 0)
+        if self.mechanism.inertial and self.omega != 0:
+            self._slip(0.0, int(math.copysign(1, self.omega)), None)
+            self.events = 0
+            return
+        sigma, mode = self._side_at_rest(0.0)
         self.mode = mode if sigma == 0 else self._moving_mode(sigma)
 
     @staticmethod
