@@ -30,8 +30,8 @@ usage: ./build.sh [command] [arguments]
            arguments go to pytest. `fuzz calls`: libFuzzer calls the C code of both standards in any order (eight
            minutes; --minutes N for each of four programs); `fuzz calls --coverage`: the code that its inputs reach.
            `fuzz cuts`: counts random scenes whose answer depends on how an interval is cut into steps (ten minutes;
-           --minutes N), into benchmarks/results/cut_scan.csv. `fuzz record --seed N`: the first form, with a row in
-           benchmarks/results/fuzz_runs.csv
+           --minutes N), into tests/verification/results/cut_scan.csv. `fuzz record --seed N`: the first form, with a row in
+           tests/verification/results/fuzz_runs.csv
   bench    build, then run cost, loop, skipping, worst, growth, precision (about seven minutes), which writes benchmarks/results/ and
            docs/performance.md; --quick: few rounds, into build/quick; names of some of them: these only
   cost     build, then run benchmarks.step_cost (half a minute): the cost of a step, and its limit
@@ -45,7 +45,7 @@ usage: ./build.sh [command] [arguments]
   growth   build, then run benchmarks.growth (a minute): many instances, steps, table points, threads
   precision build, then run benchmarks.work_precision (four minutes): run time against error beside other
            solvers; arguments go to it, as to each of these
-  endurance build, then run benchmarks.endurance (two minutes): memory over 10^6 instances, drift over 10^8 steps
+  endurance build, then run verification.endurance (two minutes): memory over 10^6 instances, drift over 10^8 steps
   friction build, then run benchmarks.friction_cost (half a minute): friction that depends on the speed, against Coulomb's;
            needs valgrind
   elementary  build, then run benchmarks.elementary (six minutes): error and cost of exp, sin and the like, beside the C
@@ -55,8 +55,8 @@ usage: ./build.sh [command] [arguments]
   platforms  build for all platforms, then run benchmarks.platform_cost (four minutes): a step of the Windows binary (wine)
            and of the aarch64 binary (qemu) beside Linux x86-64
   compare  DIRECTORY build, then compare these FMUs with those of another build, bit for bit (two minutes; --quick:
-           15 seconds), benchmarks.compare_builds
-  stress   build, then run benchmarks.stress (a quarter of an hour), which writes docs/stress.md; arguments go to it
+           15 seconds), verification.builds
+  stress   build, then run verification.stress (a quarter of an hour), which writes docs/stress.md; arguments go to it
   paper    build, then write docs/paper.md and its pictures (seconds), case_studies/paper
   figures  draw the figures of docs/mechanism.md, docs/architecture.md and docs/design-quantities.md, write
            docs/variables.md and the keys of docs/design-file.md and docs/study-plan.md (seconds);
@@ -80,9 +80,9 @@ usage: ./build.sh [command] [arguments]
   masters  build, then play the same scenes in other masters (ecos, libcosim, FMI4j, Maestro, fmi-sim), which are
            installed into build/masters, and run checkers; writes docs/masters.md (some minutes the first time)
   mutants  400 small mistakes in a copy of the C code, and which of them the tests notice (20 minutes); writes
-           benchmarks/results/mutants.csv; arguments go to benchmarks.test_strength.mutants
+           tests/verification/results/mutants.csv; arguments go to verification.strength.mutants
   coverage the branches of the C code that the tests take, in a copy (half an hour; --again: what has changed); writes
-           benchmarks/results/coverage.csv; arguments go to benchmarks.test_strength.coverage
+           tests/verification/results/coverage.csv; arguments go to verification.strength.coverage
   ssp      build, then make SSP packages of the examples and run them in ecos and libcosim; writes docs/ssp.md
   docs     build, then make the documentation site in build/docs (half a minute) and check its links; `docs links`
            also checks the links to other sites
@@ -200,12 +200,12 @@ case $command in
         if [ "${1-}" = calls ]; then
             run_program '.[test,fuzz]' tests/native/fuzz/run.py "${@:2}"
         elif [ "${1-}" = cuts ]; then
-            run_program '.[test]' -m benchmarks.cut_scan "${@:2}"
+            run_program '.[test]' -m verification.cut_scan "${@:2}"
         fi
         long=(tests/test_properties.py tests/test_reader_mutations.py tests/test_extreme_values.py
             --hypothesis-profile long -o faulthandler_timeout=0)
         if [ "${1-}" = record ]; then
-            run_program '.[test]' -m benchmarks.fuzz_runs "${long[@]}" "${@:2}"
+            run_program '.[test]' -m verification.fuzz_runs "${long[@]}" "${@:2}"
         fi
         run_program '.[test]' -m pytest "${long[@]}" "$@"
         ;;
@@ -215,7 +215,7 @@ case $command in
     worst) run_program '.[build]' -m benchmarks.worst_step "$@" ;;
     precision) run_program '.[bench]' -m benchmarks.work_precision "$@" ;;
     skipping) run_program '.[build]' -m benchmarks.skipping "$@" ;;
-    endurance) run_program '.[bench]' -m benchmarks.endurance "$@" ;;
+    endurance) run_program '.[bench]' -m verification.endurance "$@" ;;
     growth) run_program '.[build]' -m benchmarks.growth "$@" ;;
     fleet) run_program '.[build]' -m benchmarks.fleet "$@" ;;
     gym) run_program '.[build,gym]' -m benchmarks.gym_rate "$@" ;;
@@ -239,16 +239,16 @@ case $command in
     hash)
         install_dependencies '.[test]'
         [ "${1-}" = --quick ] || build all
-        run_program '.[test]' -m benchmarks.trajectory_hash "$@"
+        run_program '.[test]' -m verification.trajectory_hash "$@"
         ;;
     platforms)
         install_dependencies '.[test]'
         build all
         run_program '.[test]' -m benchmarks.platform_cost "$@"
         ;;
-    compare) run_program '.[build]' -m benchmarks.compare_builds "$@" ;;
-    mutants | coverage) run_program '.[strength]' -m "benchmarks.test_strength.$command" "$@" ;;
-    stress) run_program '.[test]' -m benchmarks.stress "$@" ;;
+    compare) run_program '.[build]' -m verification.builds "$@" ;;
+    mutants | coverage) run_program '.[strength]' -m "verification.strength.$command" "$@" ;;
+    stress) run_program '.[test]' -m verification.stress "$@" ;;
     figures)
         install_dependencies '.[build]'
         .venv/bin/python docs/figures/mechanism.py "$@"

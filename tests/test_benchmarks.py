@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 import reference
 
-from benchmarks.endurance import oscillation, stick_slip
 from benchmarks.harness import core
 from benchmarks.harness.fmu import LOADING, RELEASING, STICK
 from benchmarks.work_precision.fmus import CFmu, build_python_fmu, hand_written, python_fmu
 from benchmarks.work_precision.plain_cam import PlainCam, scipy_advance
 from benchmarks.work_precision.scenes import SCENES, columns, of_reference
 from benchmarks.work_precision.sundials import Exchange, sundae_advance
+from verification.endurance import oscillation, stick_slip
 
 STRAIGHT, CURVED, STIFF, HOLD = SCENES
 # Its first 10 ms: DOP853 takes steps of 1e-5 s.

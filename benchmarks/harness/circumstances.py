@@ -13,8 +13,8 @@ from benchmarks.harness.repository import ROOT
 
 FACTS = ("command", "date", "machine", "versions", "commit")
 CHANGED = " with changes"
-# Benchmarks write into these folders. A change in them does not change the measured program.
-WRITTEN = (":!benchmarks/results", ":!docs")
+# Results are written into these folders. A change in them does not change the measured program.
+WRITTEN = (":!benchmarks/results", ":!tests/verification/results", ":!docs")
 
 
 def processor() -> str:

@@ -3,7 +3,6 @@ functions."""
 
 from __future__ import annotations
 
-# tests and tests/support are on PYTHONPATH, see build.sh
 import cut_dependence  # type: ignore[import-not-found]
 import driver  # type: ignore[import-not-found]
 import general_scenes  # type: ignore[import-not-found]

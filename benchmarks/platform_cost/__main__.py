@@ -13,8 +13,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import build_fmu
-
-# tests/support is on PYTHONPATH, see build.sh
 from trajectory_hash import (  # type: ignore[import-not-found]
     ARM,
     NATIVE,

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from benchmarks.harness.circumstances import FACTS
 from benchmarks.harness.markdown import prose, read, table
+from benchmarks.harness.repository import DOCS
 from benchmarks.report.friction_cost import friction_cost
 from benchmarks.report.others import growth, loop, skipping
 from benchmarks.report.platform_cost import platform_cost
@@ -35,6 +36,12 @@ def circumstances(folder: Path) -> str:
     return "## Circumstances\n\n" + table(["file", *FACTS], cells)
 
 
+def integrators(place: Path) -> str:
+    """The result of a study that was made once. The link to its picture is written from docs/."""
+    text = Path(__file__).with_name("integrators.md").read_text(encoding="utf-8").rstrip()
+    return text.replace("integrators.png", Path(os.path.relpath(DOCS / "integrators.png", place)).as_posix())
+
+
 def page(results: Path, place: Path) -> str:
     """The text of the page. `place`: its folder, from which the pictures are linked."""
 
@@ -58,6 +65,7 @@ def page(results: Path, place: Path) -> str:
                 skipping(results, picture("skipping")),
                 growth(results, picture("growth")),
                 loop(results),
+                integrators(place),
                 circumstances(results),
             ]
         )

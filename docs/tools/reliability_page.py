@@ -8,13 +8,15 @@ from __future__ import annotations
 import csv
 import re
 import tomllib
+import zipfile
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-RESULTS = ROOT / "benchmarks/results"
+RESULTS = ROOT / "tests/verification/results"
+BENCHMARKED = ROOT / "benchmarks/results"
 CORPUS = ROOT / "tests/fuzz_corpus"
 
 Rows = list[dict[str, str]]
@@ -29,9 +31,9 @@ commit; `git log COMMIT.. -- fmu_src` lists what has changed in the C code since
 """
 
 
-def read(name: str) -> Rows:
-    """A CSV file of benchmarks/results; nothing where there is none yet."""
-    path = RESULTS / f"{name}.csv"
+def read(name: str, folder: Path = RESULTS) -> Rows:
+    """A CSV file of results; nothing where there is none yet."""
+    path = folder / f"{name}.csv"
     if not path.exists():
         return []
     with path.open(newline="") as file:
@@ -100,7 +102,9 @@ def long_fuzzing() -> str:
     if not runs or runs[-1]["findings"] != "0":
         return "Long fuzzing with other scenes still finds wrong ones."
     clean = sum(run["findings"] == "0" for run in runs)
-    return f"Of {len(runs)} long runs of fuzzing with other scenes, {clean} found nothing, among them the last one."
+    return (
+        f"Of {len(runs)} long runs of fuzzing with other scenes, {clean} found nothing, among them the last one."
+    )
 
 
 def long_runs() -> str:
@@ -166,9 +170,17 @@ or with a second run whose steps are cut differently: {wrong} came out wrong, an
 """
 
 
+def inputs_of_fuzzing() -> tuple[int, int]:
+    """Number of all inputs, and their bytes."""
+    sizes = [path.stat().st_size for path in CORPUS.glob("findings/*/*")]
+    for path in CORPUS.glob("*.zip"):
+        with zipfile.ZipFile(path) as archive:
+            sizes += [member.file_size for member in archive.infolist()]
+    return len(sizes), sum(sizes)
+
+
 def fuzzing() -> str:
-    files = [path for path in CORPUS.rglob("*") if path.is_file()]
-    size = sum(path.stat().st_size for path in files)
+    count, size = inputs_of_fuzzing()
     return f"""\
 ## Fuzzing
 
@@ -176,7 +188,7 @@ libFuzzer drives both interfaces of both FMI versions with random calls, values 
 of tables and of saved states. Sanitizers watch addresses and undefined behaviour. After each call the
 target checks: no NaN under OK, each step ends at its time, no energy from nothing, a refused call changes
 nothing, a restored state repeats its step bit for bit, a reset instance equals a new one. The corpus has
-{len(files)} inputs, {size // 1000} kB; the suite plays them all. Commands: `./build.sh fuzz calls`, and
+{count} inputs, {size // 1000} kB; the suite plays them all. Commands: `./build.sh fuzz calls`, and
 `./build.sh fuzz` for mechanisms, extreme values, design files and plans.
 
 {long_runs()}"""
@@ -298,7 +310,7 @@ Sources:
 
 def elementary_functions() -> str:
     """The page of its own about exp, sin and so on."""
-    rows, steps = read("elementary"), read("elementary_shares")
+    rows, steps = read("elementary", BENCHMARKED), read("elementary_shares", BENCHMARKED)
     compared = [row for row in rows if row["arguments"]]
     lines = [
         [
