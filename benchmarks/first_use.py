@@ -1,6 +1,6 @@
 """The first minutes of a new user: how long each command takes, and how much disk the package takes.
 
-    ./build.sh firstuse
+    ./build.sh run firstuse
 
 A new virtual environment gets the wheel in `dist` and nothing else. Each command then runs in a folder of its
 own, with no compiler on the PATH. `--help` is the median of several starts. The exported FMU runs in FMPy and

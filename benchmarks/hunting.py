@@ -1,6 +1,6 @@
 """Hunting of a PI position loop: the border between rest and growth, predicted and of the FMU in the loop.
 
-    ./build.sh hunting
+    ./build.sh run hunting
 
 The joint is the default cam at 0.7 rad. The controller gives its torque every ms:
 

@@ -1,6 +1,6 @@
 """A motor in Python on the forward FMU: which coupling is stable, and how large its error is.
 
-    ./build.sh ownplant
+    ./build.sh run ownplant
 
 The winding of the motor AK80-6 drives the cam through a gear of 50:1. The voltage is a sine, with which the
 cam turns from the lower stop to the upper stop and back, and sticks in between:

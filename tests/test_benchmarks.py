@@ -106,7 +106,7 @@ def test_errors_are_relative_to_the_largest_size():
 
 
 def test_many_steps_drift_by_rounding_alone():
-    """The short form of `./build.sh endurance`: 10^5 steps."""
+    """The short form of `./build.sh run endurance`: 10^5 steps."""
     last = {row["what"]: float(row["value"]) for row in oscillation(100_000)}
     assert abs(last["phase, rad"]) < 1e-11 and abs(last["energy"]) < 1e-12 and last["time, s"] == 0.0
     last = {row["what"]: float(row["value"]) for row in stick_slip(100_000)}

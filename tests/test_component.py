@@ -1,6 +1,6 @@
 """The WebAssembly component in the FMUs of FMI 3.0 against the native library, in the host wasmtime.
 
-A plain build holds no component: run ./build.sh all.
+A plain build holds no component: run ./build.sh run all.
 """
 
 import re

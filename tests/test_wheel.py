@@ -28,6 +28,8 @@ from filelock import FileLock
 from packaging.metadata import Metadata
 from packaging.requirements import Requirement
 
+pytestmark = pytest.mark.platforms
+
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 VERSION = PROJECT["version"]
 SMOKE = ROOT / "tests/support/smoke.py"

@@ -1,6 +1,6 @@
 """The worth of derivatives at the communication points: a closed loop with an oscillating load.
 
-    ./build.sh coupling
+    ./build.sh run coupling
 
 A motor turns a flywheel; a torsion shaft (stiffness K, damping D) connects it to cam 2 of DualCamForward.fmu.
 The motor's torque oscillates, the cam rises and falls:

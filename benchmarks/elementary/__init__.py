@@ -1,6 +1,6 @@
 """Error and cost of the core's elementary functions, beside those of the C library.
 
-    ./build.sh elementary [--count 1e7]
+    ./build.sh run elementary [--count 1e7]
 
 Errors are counted in units of the last place (ulp) of the exact value, at random arguments and at hard ones:
 borders between two ways of computing, both ends of each exponent, and for each exponent the double closest

@@ -104,7 +104,7 @@ class Runner:
         self.platform, self.root = platform, "Z:" if platform == WINDOWS else ""
         self.binary = binary_of(platform, core.FORWARD)
         if not self.binary.exists():
-            raise Missing("the binary is not built: ./build.sh all")
+            raise Missing("the binary is not built: ./build.sh run all")
         self.words = [*emulated, str(program(platform))]
         self.reached: dict[str, str] = {}
 

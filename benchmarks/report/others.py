@@ -95,17 +95,13 @@ def growth(folder: Path, picture: str) -> str:
 
 
 def loop(folder: Path) -> str:
-    rows = read(folder, "loop_cost")
-    turns = int(rows[0]["turns"])
-    cells = [
-        [r["through"], rounded(str(1e6 * float(r["seconds"]) / turns)), rounded(r["share_of_cam"])]
-        for r in rows
-    ]
+    rows = read(folder, "loop")
+    cells = [[row["way"], rounded(row["us"]), rounded(row["ratio"])] for row in rows]
     return "\n\n".join(
         [
             "## A control loop in Python",
             prose(
-                f"""The loop has {turns:,} turns. Each turn sets a torque, steps 1 ms, reads angle and speed.
+                """The loop has 10,000 turns. Each turn sets a torque, steps 1 ms, reads angle and speed.
                 "cam" is the FMU through `dualcam.Fmu`. The other rows are an FMU that does nothing: through
                 `dualcam.Fmu`, by bare ctypes, and by FMPy's methods. All four loops are
                 timed in each of many rounds. "us per turn" is the median over the rounds. "share of cam" is

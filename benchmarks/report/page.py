@@ -16,10 +16,10 @@ from benchmarks.report.step_cost import step_cost
 from benchmarks.report.summary import summary
 from benchmarks.report.worst_step import worst_step
 
-FILES = ("work_precision", "step_cost", "worst_step", "skipping", "growth", "loop_cost")
+FILES = ("work_precision", "step_cost", "worst_step", "skipping", "growth", "loop")
 
 
-# Not a part of `./build.sh bench`, which also runs where valgrind, wine and qemu are missing.
+# Not a part of `./build.sh run bench`, which also runs where valgrind, wine and qemu are missing.
 OPTIONAL = {"friction_cost": friction_cost, "platform_cost": platform_cost}
 
 
@@ -54,9 +54,9 @@ def page(results: Path, place: Path) -> str:
                 "# How fast, and how near to the limit",
                 summary(results),
                 prose(
-                    """`python -m benchmarks.report` writes this page at the end of `./build.sh bench` (about
-                    seven minutes) from `benchmarks/results/*.csv`, which have the spreads too. Every part has
-                    a command of its own, which the last table names."""
+                    """`python -m benchmarks.report` writes this page at the end of `./build.sh run bench`
+                    (about seven minutes) from `benchmarks/results/*.csv`, which have the spreads too. Every
+                    part has a command of its own, which the last table names."""
                 ),
                 precision(results, picture("work_precision")),
                 step_cost(results, picture("step_cost")),

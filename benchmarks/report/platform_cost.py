@@ -30,12 +30,12 @@ def platform_cost(folder: Path) -> str:
         [
             "## Windows and aarch64",
             prose(
-                f"""`./build.sh platforms` makes the same steps with the binary of each platform, and divides
-                by the Linux x86-64 binary of the same run. One step sets the torque, steps 1 ms and reads the
-                angle. The Windows x64 binary takes {span(rows, "ns")} times as long. wine runs the machine
-                code of that binary directly. The binary differs from that of Linux in two ways: it is linked
-                without link-time optimisation, and its functions save ten registers of floating-point numbers
-                that functions on Linux may overwrite. The aarch64 binary executes
+                f"""`./build.sh run platforms` makes the same steps with the binary of each platform, and
+                divides by the Linux x86-64 binary of the same run. One step sets the torque, steps 1 ms and
+                reads the angle. The Windows x64 binary takes {span(rows, "ns")} times as long. wine runs the
+                machine code of that binary directly. The binary differs from that of Linux in two ways: it is
+                linked without link-time optimisation, and its functions save ten registers of floating-point
+                numbers that functions on Linux may overwrite. The aarch64 binary executes
                 {span(rows, "instructions")} times as many instructions, which a plugin of qemu counts. No
                 time has been measured on a processor with aarch64. All platforms reach the same bits."""
             ),

@@ -37,8 +37,7 @@ def summary(folder: Path) -> str:
         for level in LEVELS
     )
     through_fmpy = span(times_of_fmu(rows, scene, ["FMU from FMPy"], LEVELS[0]) for scene in scenes)
-    loop = row_of(read(folder, "loop_cost"), through="cam")
-    per_turn = rounded(str(1e6 * float(loop["seconds"]) / int(loop["turns"])))
+    per_turn = rounded(row_of(read(folder, "loop"), way="cam")["us"])
     items = [
         f"""- [One step](#one-step) of 1 ms in slip, called from C, takes {helices} us in helices and
         {ellipses} us in ellipses.""",

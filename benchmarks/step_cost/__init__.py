@@ -1,6 +1,6 @@
 """The cost of one communication step, against one exp and one sincos, and against an FMU that does nothing.
 
-    ./build.sh cost
+    ./build.sh run cost
 
 One step is fmi2SetReal(tau), fmi2DoStep(1 ms), fmi2GetReal(theta, omega). All quantities are measured in one
 process and in turns: every round runs a block of each quantity, in an order that is shuffled anew, so that a

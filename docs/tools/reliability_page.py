@@ -103,7 +103,8 @@ def long_fuzzing() -> str:
         return "Long fuzzing with other scenes still finds wrong ones."
     clean = sum(run["findings"] == "0" for run in runs)
     return (
-        f"Of {len(runs)} long runs of fuzzing with other scenes, {clean} found nothing, among them the last one."
+        f"Of {len(runs)} long runs of fuzzing with other scenes, {clean} found nothing, "
+        "among them the last one."
     )
 
 
@@ -115,7 +116,8 @@ def long_runs() -> str:
     keys = ("seed", "commit", "minutes", "examples", "findings")
     rows = [[f"{int(run[key]):,}" if key == "examples" else run[key] for key in keys] for run in runs]
     return f"""\
-Recorded runs of `./build.sh fuzz` (`./build.sh fuzz record --seed N`). A finding is a test that failed.
+Recorded runs of `./build.sh run fuzz`, by `./build.sh run fuzz-record --seed N`. A finding is a test that
+failed.
 
 {table(keys, rows)}
 {measured(runs)}"""
@@ -166,7 +168,7 @@ def scenes() -> str:
 
 {runs:,} runs over many decades of every parameter, {judged:,} of them compared with an independent solution
 or with a second run whose steps are cut differently: {wrong} came out wrong, and {refused:,} were refused.
-[stress.md](stress.md) has the table, and lists wrong runs and messages. Command: `./build.sh stress`.
+[stress.md](stress.md) has the table, and lists wrong runs and messages. Command: `./build.sh run stress`.
 """
 
 
@@ -188,8 +190,8 @@ libFuzzer drives both interfaces of both FMI versions with random calls, values 
 of tables and of saved states. Sanitizers watch addresses and undefined behaviour. After each call the
 target checks: no NaN under OK, each step ends at its time, no energy from nothing, a refused call changes
 nothing, a restored state repeats its step bit for bit, a reset instance equals a new one. The corpus has
-{count} inputs, {size // 1000} kB; the suite plays them all. Commands: `./build.sh fuzz calls`, and
-`./build.sh fuzz` for mechanisms, extreme values, design files and plans.
+{count} inputs, {size // 1000} kB; the suite plays them all. Commands: `./build.sh run fuzz-calls`, and
+`./build.sh run fuzz` for mechanisms, extreme values, design files and plans.
 
 {long_runs()}"""
 
@@ -216,7 +218,7 @@ def endurance() -> str:
 Lives are instances that are made, started, reset and freed. Errors of time, phase and energy are against the
 closed form. They are rounding, and grow with the number of steps. The angle of stick-slip is compared with
 that after the first period. Energies are relative: to that of the oscillation, and to the work done.
-Command: `./build.sh endurance`.
+Command: `./build.sh run endurance`.
 
 {table(["scene", "steps or lives", "what", "value"], lines)}
 {measured(rows)}"""
@@ -232,7 +234,7 @@ def hashes() -> str:
 
 One hash of every bit of all outputs, of both FMUs, over {rows[0]["scenes"]} scenes. The core has its own exp,
 sin and so on ([elementary-functions.md](elementary-functions.md)), and no compiler may fuse operations.
-Command: `./build.sh hash`.
+Command: `./build.sh run hash`.
 
 {table(["platform", "compiler", "hash", "scenes that differ"], lines)}
 {measured(rows)}"""
@@ -257,7 +259,8 @@ that change a result are noticed.
 {measured(mutants)}"""
     if not text:
         return ""
-    return "## Coverage and mutants\n\nCommands: `./build.sh coverage`, `./build.sh mutants`.\n\n" + text
+    commands = "Commands: `./build.sh run coverage`, `./build.sh run mutants`."
+    return f"## Coverage and mutants\n\n{commands}\n\n{text}"
 
 
 STATIC = """\
@@ -281,7 +284,7 @@ def figures() -> dict[str, int | str]:
         f"{row['project']} {row['what']}": int(row["number"]) for row in read("peer_tests")
     }
     whole = [row for row in read("coverage") if row["part"] == "all"]
-    found["coverage"] = f"{whole[0]['branches_percent']} %" if whole else "`./build.sh coverage` counts"
+    found["coverage"] = f"{whole[0]['branches_percent']} %" if whole else "`./build.sh run coverage` counts"
     thousands = own_tests() // 1000 * 1000  # so that a new test does not change the page
     return {**found, "own": thousands}
 
@@ -343,7 +346,7 @@ exp" takes arguments up to 0.1.
 Steps call all of these functions but tan, which the start of a run calls. No step calls sin or cos alone.
 In {len(steps)} scenes with steps of 1 ms, at most {share:.1f} % of the instructions are in these functions,
 those "of two" apart. sin and cos share one vector register.
-Command: `./build.sh elementary`.
+Command: `./build.sh run elementary`.
 
 {table(["function", "error, ulp", "instructions", "ns", "C library, not fused"], lines)}
 {measured(rows)}"""

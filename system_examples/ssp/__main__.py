@@ -1,7 +1,7 @@
 """Runs the examples as SSP packages in ecos and libcosim, and compares with the Python versions.
 
     ./build.sh run ssp                all, written to docs/ssp.md
-    ./build.sh ssp --only ecos    one master; nothing is written
+    ./build.sh run ssp --only ecos    one master; nothing is written
 
 The packages go to build/ssp. Each master must agree to rounding with the same FMUs coupled by FMPy in the
 same order. These must agree with the Python versions as closely as computing ahead makes up for the two steps

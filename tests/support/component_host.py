@@ -31,7 +31,7 @@ def component_of(fmu: Path) -> bytes:
     with zipfile.ZipFile(fmu) as archive:
         name = f"{FOLDER}/{fmu.stem}.wasm"
         if name not in archive.namelist():
-            pytest.skip(f"{fmu.name} was not built for wasm32-wasip2: run ./build.sh all")
+            pytest.skip(f"{fmu.name} was not built for wasm32-wasip2: run ./build.sh run all")
         return archive.read(name)
 
 

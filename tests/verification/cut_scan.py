@@ -2,8 +2,8 @@
 tests/test_properties.py draws them, and judged as there (tests/support/cut_dependence.py); a finding does not
 end the scan.
 
-    ./build.sh fuzz cuts [--minutes N] [--seed N]    # results: tests/verification/results/cut_scan.csv
-    ./build.sh fuzz cuts --replay FOLDER             # one finding again
+    ./build.sh run fuzz-cuts [--minutes N] [--seed N]    # results: tests/verification/results/cut_scan.csv
+    ./build.sh run fuzz-cuts --replay FOLDER             # one finding again
 
 Findings come into build/cuts, one folder each.
 """

@@ -1,6 +1,6 @@
 """Memory over many lives of instances, and time, energy and phase over many steps.
 
-    ./build.sh endurance
+    ./build.sh run endurance
 
 Lives: an instance is made, runs, is reset, runs again, saves a state and is freed; 10^6 times in one process.
 The resident memory is read after the first tenth and at the end.

@@ -1,6 +1,6 @@
-"""One run of `./build.sh fuzz` from a given seed, and its row in tests/verification/results/fuzz_runs.csv.
+"""`./build.sh run fuzz` from a given seed, and its row in tests/verification/results/fuzz_runs.csv.
 
-    ./build.sh fuzz record --seed N    # an hour
+    ./build.sh run fuzz-record --seed N    # an hour
 
 The row counts the examples that hypothesis drew and names the tests that failed. Rows of earlier runs stay.
 """
@@ -71,7 +71,7 @@ def main() -> int:
         text += piece
         print(piece, end="", flush=True)
     row = row_of(text, arguments.seed, time.monotonic() - begin)
-    facts["command"] = f"./build.sh fuzz record --seed {arguments.seed}"
+    facts["command"] = f"./build.sh run fuzz-record --seed {arguments.seed}"
     results.say_facts(facts, console)
     results.write_csv([*earlier(arguments.output), row | facts], arguments.output)
     results.say(console, f"written: {arguments.output}")

@@ -1,6 +1,6 @@
 """One hash of all outputs over all scenes, for each platform and compiler that this machine can run.
 
-    ./build.sh hash [--quick] [word ...]
+    ./build.sh run hash [--quick] [word ...]
 
 --quick: the binaries for this machine, and WebAssembly. Words: builds whose name has one of them, beside the
 first build. tests/support/trajectory_hash.py plays the scenes. The exit code is 1 if a hash differs.

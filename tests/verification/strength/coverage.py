@@ -1,7 +1,7 @@
 """Branch coverage: which branches of the C code do the tests take?
 
-    ./build.sh coverage            all pieces anew
-    ./build.sh coverage --again    only the test files that changed, or that an interrupted run has left out
+    ./build.sh run coverage            all pieces anew
+    ./build.sh run coverage --again    only the test files that changed, or that an interrupted run left out
 
 A branch is a condition with one of its two values. In a copy of the repository, each condition of physics and
 FMI layer marks what came out (decisions.py). The tests run there, one file after the other; the marks of each

@@ -4,7 +4,7 @@
 
 equivalent.toml judges some mutants by reasons: equivalent, cost only. This program runs them in the random
 scenes of tests/verification/stress, and in such scenes on helices, with the library of the last
-./build.sh mutants.
+./build.sh run mutants.
 The first pass has no mutant in force and notes the scenes in which a mistake makes a difference. A second
 pass plays these scenes once again with the mistake. Results that differ by more than 100 tolerances, and by
 more than ten times the change that data changed by a tolerance make, are listed: such a judgement is wrong.

@@ -1,6 +1,6 @@
 """Mutants: which small mistakes in the C code do the tests notice?
 
-    ./build.sh mutants
+    ./build.sh run mutants
 
 400 places of physics and FMI layer are drawn (choice.py): an operator of arithmetic, a comparison, a logical
 operator, a constant, a sign, a statement left out, a condition negated, two arguments of one type swapped.
@@ -279,7 +279,7 @@ def options_of(words: Sequence[str] | None) -> Options:
 def kept_copy() -> Copy:
     """That of the last run."""
     if not PLACES.exists():
-        raise SystemExit("mutants: there is no earlier run to go on with: run ./build.sh mutants")
+        raise SystemExit("mutants: there is no earlier run to go on with: run ./build.sh run mutants")
     kept = json.loads(PLACES.read_text())
     places = {int(number): Site(**site) for number, site in kept["places"].items()}
     return Copy(tree.TREES / "mutants", places, kept["core"])
@@ -294,7 +294,7 @@ def begin(options: Options) -> tuple[Copy, list[int]]:
     if copy.core != core:
         print(f"The last run is of core {copy.core}, the C sources are core {core}.", flush=True)
         if options.survivors:
-            raise SystemExit("mutants: ./build.sh mutants runs all mutants of the C sources of today")
+            raise SystemExit("mutants: ./build.sh run mutants runs all mutants of the C sources of today")
         if options.again:
             copy = prepare(options.count, options.seed)
     done = ends(copy)

@@ -28,10 +28,10 @@ HEAD = """\
 # How well the tests test
 
 Read this page to judge how far a green run of the tests can be trusted. Two commands measure that on a copy
-of the C code. `./build.sh mutants` makes small mistakes and looks which of them a test notices.
-`./build.sh coverage` looks which branches the tests take. Both need the compiler of the `ziglang` wheel and
-tree-sitter, which parses C, from PyPI. Both run on Linux. `tests/verification/strength/page.py` writes this
-page. [Reliability](reliability.md) tells what else is tested.
+of the C code. `./build.sh run mutants` makes small mistakes and looks which of them a test notices.
+`./build.sh run coverage` looks which branches the tests take. Both need the compiler of the `ziglang` wheel
+and tree-sitter, which parses C, from PyPI. Both run on Linux. `tests/verification/strength/page.py` writes
+this page. [Reliability](reliability.md) tells what else is tested.
 """
 MUTANTS = """
 ## Mutants

@@ -1,6 +1,6 @@
 """The general mechanism at its limits: the varied quantities, their ranges, and the outcome.
 
-    ./build.sh stress                                 all rows, written to docs/stress.md
+    ./build.sh run stress                                 all rows, written to docs/stress.md
     python -m verification.stress                       the same, with the FMU as it was built last
     python -m verification.stress --rows stiffness,dwell --fuzz 100 --output /tmp/stress.md
 

@@ -1,4 +1,4 @@
-// node web_step.mjs ENGINE.js MODEL.wasm: reads the job of web_step.py and prints the times of its blocks as JSON.
+// node web.mjs ENGINE.js MODEL.wasm: reads the job of web.py and prints the times of its blocks as JSON.
 
 import { readFileSync } from "node:fs";
 import { pathToFileURL } from "node:url";

@@ -1,28 +1,22 @@
 """Creep of a held joint in MuJoCo over the settings of its friction, and the cost of a step beside the cam's.
 
-    ./build.sh creep
-
 The elbow of system_examples/mujoco_elbow.py stands at 60 deg, motor off. The same spring torque and friction
 hold the arm by MuJoCo's frictionloss, with one setting after another, and by the cam. Creep is the mean speed
-from 2 s to 4 s. Each cost is the processor time of one step of one mjData, the call from Python included: a
-median over rounds in which all ways take turns. Costs over that of `frictionloss` as it comes are medians of
-the ratios of the same round.
+from 2 s to 4 s. Each cost is the processor time of one step of one mjData, the call from Python included.
 """
 
 from __future__ import annotations
 
-import statistics
-import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from functools import partial
 
 import mujoco
+from rich.console import Console
 
-from benchmarks.harness import results as harness
-from benchmarks.harness.circumstances import circumstances
-from benchmarks.harness.timing import Block, Ratio, in_turns
+from benchmarks.harness.timing import Block, in_turns
+from benchmarks.rates.measure import Group, Measure
 from dualcam.mujoco import CamSimulation
 from system_examples import mujoco_elbow as elbow
 
@@ -90,33 +84,15 @@ def block_of(way: Way) -> Block:
     return block
 
 
-def main() -> int:
-    arguments = harness.options(__doc__, "mujoco_creep", 15).parse_args()
-    console = harness.new_console()
-    table = harness.table(
-        "The elbow at rest, motor off", "held by", "creep [rad/s]", "us per step", "over as it comes"
-    )
+def take(rounds: int, console: Console) -> Iterator[Group]:
     with ExitStack() as stack:
         all_ways = ways(stack)
-        creep = {name: creep_of(way) for name, way in all_ways.items()}
+        creep = {name: f"{creep_of(way):.1e}" for name, way in all_ways.items()}
         blocks = {name: block_of(way) for name, way in all_ways.items()}
-        times = in_turns(blocks, arguments.rounds, "steps", console)
-    plain = times[f"frictionloss, {AS_IT_COMES}"]
-    rows = []
-    for name, seconds in times.items():
-        ratio = Ratio.of(seconds, plain)
-        row = {
-            "held_by": name,
-            "creep": f"{creep[name]:.1e}",
-            "us_per_step": f"{1e6 * statistics.median(seconds):.2f}",
-            "ratio": f"{ratio.median:.2f}",
-        }
-        rows.append(row)
-        table.add_row(*row.values())
-    console.print(table)
-    harness.publish(rows, circumstances("creep", "numpy", "mujoco"), arguments.output, console)
-    return 0
+        yield Group("elbow at rest", in_turns(blocks, rounds, "steps", console), creep)
 
 
-if __name__ == "__main__":
-    sys.exit(main())
+MEASURE = Measure(
+    *("creep", "A step of MuJoCo with the elbow at rest, motor off", take, 15),
+    *(f"frictionloss, {AS_IT_COMES}", "creep, rad/s", ("numpy", "mujoco")),
+)

@@ -1,9 +1,4 @@
-"""The cost of a control loop in Python: 10 s at 1 kHz through dualcam.Fmu, and its parts.
-
-    ./build.sh loop
-
-One turn of the loop sets a torque, steps 1 ms, reads angle and speed. It is timed four ways, in turns, and
-reported as the median over the rounds with quartiles:
+"""A control loop in Python: 10 s at 1 kHz. One turn sets a torque, steps 1 ms, reads angle and speed.
 
 cam                the forward FMU through dualcam.Fmu, as a user has it
 null               an FMU that does nothing through dualcam.Fmu: Python, ctypes and the handle
@@ -14,24 +9,24 @@ null, FMPy         the same calls by FMPy's own methods with lists of values
 from __future__ import annotations
 
 import math
-import statistics
-import sys
 import time
+from collections.abc import Iterator
 from ctypes import c_double, c_uint
 
+from rich.console import Console
+
 from benchmarks.harness import core
-from benchmarks.harness import results as harness
-from benchmarks.harness.circumstances import circumstances
 from benchmarks.harness.fmu import Slave
-from benchmarks.harness.timing import Block, Ratio, in_turns
+from benchmarks.harness.timing import Block, in_turns
+from benchmarks.rates.measure import MICROSECOND, Group, Limit, Measure
 from dualcam import Fmu
 from dualcam.fmu import Scalar
 
 STEP = 1e-3  # s
 TURNS = 10_000
-TARGET = 0.5  # s for 10 s
 PARAMETERS: dict[str, Scalar] = {"initial.theta": 0.5}
 TORQUE = [3.0 + 2.0 * math.sin(2.0 * math.pi * 2.0 * k * STEP) for k in range(TURNS)]  # sticks and slips
+SUBJECT = f"{TURNS} turns"
 
 
 def handle_loop(fmu: Fmu, parameters: dict[str, Scalar]) -> Block:
@@ -45,7 +40,7 @@ def handle_loop(fmu: Fmu, parameters: dict[str, Scalar]) -> Block:
             command.write()
             fmu.step(STEP)
             _theta, _omega = state.read()
-        return time.perf_counter() - start
+        return (time.perf_counter() - start) / TURNS
 
     return block
 
@@ -66,7 +61,7 @@ def ctypes_loop(slave: Slave) -> Block:
             instant += STEP
             get_real(component, outputs, 2, state)
             _theta, _omega = state
-        return time.perf_counter() - start
+        return (time.perf_counter() - start) / TURNS
 
     return block
 
@@ -83,7 +78,7 @@ def fmpy_loop(slave: Slave) -> Block:
             fmu.doStep(instant, STEP)
             instant += STEP
             _theta, _omega = fmu.getReal(outputs)
-        return time.perf_counter() - start
+        return (time.perf_counter() - start) / TURNS
 
     return block
 
@@ -93,21 +88,7 @@ def started(slave: Slave) -> Slave:
     return slave
 
 
-def report_row(name: str, seconds: list[float], whole: list[float]) -> dict[str, str]:
-    share = Ratio.of(seconds, whole)
-    return {
-        "through": name,
-        "turns": str(TURNS),
-        "seconds": f"{statistics.median(seconds):.5f}",
-        "share_of_cam": f"{share.median:.4f}",
-        "lower_quartile": f"{share.lower:.4f}",
-        "upper_quartile": f"{share.upper:.4f}",
-    }
-
-
-def main() -> int:
-    arguments = harness.options(__doc__, "loop_cost", 51).parse_args()
-    console = harness.new_console()
+def take(rounds: int, console: Console) -> Iterator[Group]:
     with Fmu(core.fmu_path(core.FORWARD)) as cam, Fmu(core.fmu_path(core.NULL)) as null:
         blocks = {
             "cam": handle_loop(cam, PARAMETERS),
@@ -115,25 +96,10 @@ def main() -> int:
             "null, bare ctypes": ctypes_loop(started(Slave(core.NULL))),
             "null, FMPy": fmpy_loop(started(Slave(core.NULL))),
         }
-        times = in_turns(blocks, arguments.rounds, "loops", console)
-        changes = cam.get("events")
-    table = harness.table(
-        f"{TURNS} turns of {1e3 * STEP:g} ms: set a torque, step, read angle and speed",
-        *("through", "s", "us per turn", "share of cam"),
-    )
-    for name, seconds in times.items():
-        median, share = statistics.median(seconds), Ratio.of(seconds, times["cam"])
-        table.add_row(name, f"{median:.3f}", f"{1e6 * median / TURNS:.2f}", str(share))
-    console.print(table)
-    whole = statistics.median(times["cam"])
-    target = harness.verdict(whole, TARGET)
-    harness.say(
-        console, f"The cam changed its mode {changes} times. 10 s take {whole:.3f} s: target {target}."
-    )
-    rows = [report_row(name, seconds, times["cam"]) for name, seconds in times.items()]
-    harness.publish(rows, circumstances("loop"), arguments.output, console)
-    return 0 if whole <= TARGET else 1
+        yield Group(SUBJECT, in_turns(blocks, rounds, "loops", console))
 
 
-if __name__ == "__main__":
-    sys.exit(main())
+MEASURE = Measure(
+    *("loop", "A turn of a control loop in Python", take, 51, "cam"),
+    limits=(Limit(SUBJECT, "cam", MICROSECOND, 50.0),),
+)

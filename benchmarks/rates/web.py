@@ -1,25 +1,22 @@
 """The cost of the engine of the page in V8, the JavaScript engine of Chromium and node.
 
-    ./build.sh web
-
 Node runs dualcam/view/engine.js and the WebAssembly module. Timed are, in two designs: to set a torque and
 step 1 ms, to begin a new run with another radius, and to compute one angle of the stick band. The time is
-that of the processor. The median over the rounds is reported, with quartiles.
+that of the processor.
 """
 
 from __future__ import annotations
 
 import json
 import math
-import shutil
-import statistics
 import subprocess
-import sys
+from collections.abc import Iterator
 from pathlib import Path
 
-from benchmarks.harness import results as harness
-from benchmarks.harness.circumstances import circumstances
-from benchmarks.harness.repository import BENCHMARKS, ROOT
+from rich.console import Console
+
+from benchmarks.harness.repository import ROOT
+from benchmarks.rates.measure import Group, Measure
 from dualcam import fmu_path, read_model_description
 from dualcam.library import web_path
 
@@ -33,7 +30,7 @@ ELLIPSES = {
 SCENES: dict[str, dict[str, float]] = {"helices": {}, "ellipses": ELLIPSES}
 
 
-def times_in_node(node: str, rounds: int) -> tuple[dict[str, list[float]], str]:
+def times_in_node(rounds: int) -> tuple[dict[str, list[float]], str]:
     """Seconds of each block over the rounds, and the version of V8."""
     read = read_model_description(fmu_path("forward"))
     variables = [
@@ -49,38 +46,16 @@ def times_in_node(node: str, rounds: int) -> tuple[dict[str, list[float]], str]:
         "rounds": rounds,
         "angles": ANGLES,
     }
-    words: list[str | Path] = [
-        node,
-        BENCHMARKS / "web_step.mjs",
-        ROOT / "dualcam/view/engine.js",
-        web_path("DualCamForward.wasm"),
-    ]
+    files: list[str | Path] = [ROOT / "dualcam/view/engine.js", web_path("DualCamForward.wasm")]
+    words = ["node", Path(__file__).with_suffix(".mjs"), *files]
     done = subprocess.run(words, input=json.dumps(job), stdout=subprocess.PIPE, encoding="utf-8", check=True)
     found = json.loads(done.stdout)
     return found["times"], found["v8"]
 
 
-def main() -> int:
-    arguments = harness.options(__doc__, "web_step", 21).parse_args()
-    console = harness.new_console()
-    node = shutil.which("node")
-    if node is None:
-        harness.say(console, "web_step: node is not installed: install Node.js")
-        return 1
-    times, v8 = times_in_node(node, arguments.rounds)
-    table = harness.table("Engine of the page in V8", "what", "us", "quartiles")
-    rows = []
-    for name, seconds in times.items():
-        lower, median, upper = (1e6 * t for t in statistics.quantiles(seconds, n=4, method="inclusive"))
-        table.add_row(name, f"{median:.3g}", f"{lower:.3g}-{upper:.3g}")
-        rows.append(
-            {"what": name, "us": f"{median:.4f}", "lower_quartile": f"{lower:.4f}"}
-            | {"upper_quartile": f"{upper:.4f}", "v8": v8}
-        )
-    console.print(table)
-    harness.publish(rows, circumstances("web"), arguments.output, console)
-    return 0
+def take(rounds: int, _console: Console) -> Iterator[Group]:
+    times, v8 = times_in_node(rounds)
+    yield Group(f"V8 {v8}", times)
 
 
-if __name__ == "__main__":
-    sys.exit(main())
+MEASURE = Measure("web", "Engine of the page in V8", take, 21)

@@ -1,10 +1,7 @@
 """Steps per second of the environments of dualcam.gym: one, many by gymnasium's loop, many by one fleet.
 
-    ./build.sh gym
-
 A step of the elbow is 10 control periods of 1 ms: 200 samples of the current loop and 10 steps of the FMU.
-Random torques; episodes begin anew as they end. Each row is a median over rounds in which all ways take
-turns:
+Random torques; episodes begin anew as they end. The times are per step of one instance:
 
 gymnasium.make      one environment
 sync                gymnasium.make_vec with vectorization_mode="sync": a loop over environments
@@ -15,18 +12,17 @@ Batch               dualcam.gym.Batch, the same work without gymnasium's words
 
 from __future__ import annotations
 
-import statistics
-import sys
 import time
+from collections.abc import Iterator
 from contextlib import ExitStack
 from typing import Any
 
 import gymnasium
 import numpy as np
+from rich.console import Console
 
-from benchmarks.harness import results as harness
-from benchmarks.harness.circumstances import circumstances
 from benchmarks.harness.timing import Block, in_turns
+from benchmarks.rates.measure import Group, Measure
 from dualcam.gym import EPISODE_STEPS, TASKS, Batch
 
 COUNTS = (10, 100, 1000, 10_000)
@@ -100,34 +96,14 @@ def blocks_of(task: str, count: int, stack: ExitStack) -> dict[str, Block]:
     return blocks | {"Batch": raw(task, count, stack)}
 
 
-def main() -> int:
-    parser = harness.options(__doc__, "gym_rate", 5)
-    arguments = parser.parse_args()
-    console = harness.new_console()
-    table = harness.table(
-        "Steps of the environments, random torques",
-        *("task", "instances", "through", "us per step", "steps per second"),
-    )
-    rows = []
+def take(rounds: int, console: Console) -> Iterator[Group]:
     for task in TASKS:
         for count in (1, *COUNTS) if task == "Elbow" else (1, 1000):
+            what = f"{task}, {count}"
             with ExitStack() as stack:
-                times = in_turns(blocks_of(task, count, stack), arguments.rounds, f"{task}, {count}", console)
-            for way, seconds in times.items():
-                median = statistics.median(seconds)
-                row = {
-                    "task": task,
-                    "instances": str(count),
-                    "way": way,
-                    "us_per_step": f"{1e6 * median:.2f}",
-                    "steps_per_second": f"{1.0 / median:.0f}",
-                }
-                rows.append(row)
-                table.add_row(*row.values())
-    console.print(table)
-    harness.publish(rows, circumstances("gym", "numpy", "gymnasium"), arguments.output, console)
-    return 0
+                yield Group(what, in_turns(blocks_of(task, count, stack), rounds, what, console))
 
 
-if __name__ == "__main__":
-    sys.exit(main())
+MEASURE = Measure(
+    *("gym", "A step of the environments, random torques", take, 5), packages=("numpy", "gymnasium")
+)

@@ -1,10 +1,7 @@
-"""The cost of a step in a dualcam.Fleet, beside the same loop in C and in Python.
-
-    ./build.sh fleet
+"""A step in a dualcam.Fleet of 1 to 10^5 instances, beside the same loop in C and in Python.
 
 Every instance sets a torque, steps 1 ms, reads angle and speed. The torque changes every 32 steps, and the
-helices slip most of the time. Each row is a median over rounds in which all ways take turns, per step of one
-instance, for 1 to 10^5 instances:
+helices slip most of the time. The times are per step of one instance:
 
 C loop           the forward FMU's functions, called by a loop in C over all instances
 fleet            Fleet.step, one thread
@@ -15,26 +12,24 @@ Python loop      dualcam.Fmu, one handle per instance (up to 1000 instances)
 
 from __future__ import annotations
 
-import statistics
-import sys
 import time
+from collections.abc import Iterator
 from contextlib import ExitStack
 
 import numpy as np
+from rich.console import Console
 
 from benchmarks.growth.instances import TORQUES, WORK, Instances, powers
 from benchmarks.harness import core
-from benchmarks.harness import results as harness
-from benchmarks.harness.circumstances import circumstances
-from benchmarks.harness.timing import Block, Ratio, in_turns
+from benchmarks.harness.timing import Block, in_turns
+from benchmarks.rates.measure import Group, Limit, Measure
 from dualcam import Fleet, Fmu
 
 STEP = 1e-3  # s
 PERIOD = 32  # steps with one torque
 START = {"initial.theta": 0.7}  # rad, as growth/instances.c
 MOST_HANDLES = 1000
-TARGETS = {"fleet": ("C loop", 1.2), "fleet, 2 threads": ("fleet", 1.0 / 1.8)}
-TARGET_COUNT = 1000
+MOST = 100_000  # instances
 
 
 def rounds_of(count: int) -> int:
@@ -105,46 +100,16 @@ def blocks_of(count: int, instances: Instances, stack: ExitStack) -> dict[str, B
     return blocks
 
 
-def row_of(count: int, way: str, seconds: list[float], compared: list[float]) -> dict[str, str]:
-    ratio = Ratio.of(seconds, compared)
-    return {
-        "instances": str(count),
-        "way": way,
-        "ns_per_step": f"{1e9 * statistics.median(seconds):.1f}",
-        "share_of_c_loop": f"{ratio.median:.3f}",
-        "lower_quartile": f"{ratio.lower:.3f}",
-        "upper_quartile": f"{ratio.upper:.3f}",
-    }
-
-
-def main() -> int:
-    parser = harness.options(__doc__, "fleet", 21)
-    parser.add_argument("--instances", type=int, default=100_000, help="largest number of instances (10^5)")
-    arguments = parser.parse_args()
-    console = harness.new_console()
+def take(rounds: int, console: Console) -> Iterator[Group]:
     instances = Instances()
-    table = harness.table(
-        "A step of 1 ms of one instance: set a torque, step, read angle and speed",
-        *("instances", "through", "ns", "share of the C loop"),
-    )
-    rows, missed = [], False
-    for count in powers(1, arguments.instances):
+    for count in powers(1, MOST):
         with ExitStack() as stack:
             blocks = blocks_of(count, instances, stack)
-            times = in_turns(blocks, arguments.rounds, f"{count} instances", console)
-        for way, seconds in times.items():
-            row = row_of(count, way, seconds, times["C loop"])
-            rows.append(row)
-            table.add_row(str(count), way, row["ns_per_step"], str(Ratio.of(seconds, times["C loop"])))
-        for way, (other, target) in TARGETS.items() if count == TARGET_COUNT else ():
-            share = Ratio.of(times[way], times[other]).median
-            missed |= share > target
-            verdict = harness.verdict(share, target)
-            harness.say(console, f"{count} instances: {way} is {share:.3f} of {other}: target {verdict}")
-    console.print(table)
-    harness.publish(rows, circumstances("fleet", "numpy"), arguments.output, console)
-    return 1 if missed else 0
+            yield Group(f"{count}", in_turns(blocks, rounds, f"{count} instances", console))
 
 
-if __name__ == "__main__":
-    sys.exit(main())
+MEASURE = Measure(
+    *("fleet", "A step of 1 ms of one instance of a fleet", take, 21, "C loop"),
+    packages=("numpy",),
+    limits=(Limit("1000", "fleet", "C loop", 1.2), Limit("1000", "fleet, 2 threads", "fleet", 1.0 / 1.8)),
+)

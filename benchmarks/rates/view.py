@@ -1,25 +1,23 @@
 """The page of `dualcam view`: how fast it opens, and how many pictures a second it draws.
 
-    ./build.sh view
-
 Headless Chromium opens the page of the default mechanism from disk and plays the first scene, with WebGL in
 software (no GPU) and without WebGL. `script` is the time of the page's own JavaScript for one picture: a
-machine with a GPU draws 60 pictures a second while this time is below 16.7 ms. Times are medians over the
-rounds.
+machine with a GPU draws 60 pictures a second while this time is below 16.7 ms.
 """
 
 from __future__ import annotations
 
 import shutil
 import statistics
-import sys
 import tempfile
 import time
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from benchmarks.harness import results as harness
-from benchmarks.harness.circumstances import circumstances
+from rich.console import Console
+
+from benchmarks.rates.measure import Group, Measure
 from dualcam import write_view
 
 SIZE = {"width": 1400, "height": 900}  # pixels of the window
@@ -41,7 +39,7 @@ window.requestAnimationFrame = callback => ask(time => {
 
 
 def play(browser: Any, page: Path) -> dict[str, float]:  # noqa: ANN401
-    """One opening: seconds until a script may step and the first picture stands; then the pictures."""
+    """Seconds of one opening, until a script may step and the first picture stands, and of one picture."""
     context = browser.new_context(viewport=SIZE)
     tab = context.new_page()
     tab.add_init_script(WATCH)
@@ -57,49 +55,22 @@ def play(browser: Any, page: Path) -> dict[str, float]:  # noqa: ANN401
     noted = tab.evaluate("noted")
     passed = time.perf_counter() - begin
     context.close()
-    return {
-        "open": opened,
-        "pictures": len(noted) / passed,
-        "script": statistics.median(noted),
-    }
+    script = 1e-3 * statistics.median(noted)
+    return {"opens": opened, "one picture": passed / len(noted), "script of a picture": script}
 
 
-def main() -> int:
-    arguments = harness.options(__doc__, "view_page", 5).parse_args()
-    console = harness.new_console()
+def take(rounds: int, _console: Console) -> Iterator[Group]:
     from playwright.sync_api import sync_playwright
 
     program = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-    if program is None:
-        harness.say(console, "view_page: Chromium is not installed: install the package chromium")
-        return 1
-    columns = ("browser", "opens [s]", "pictures per s", "script [ms]", "size [MB]")
-    table = harness.table("The page of dualcam view", *columns)
-    rows = []
     with tempfile.TemporaryDirectory() as folder, sync_playwright() as playwright:
         page = write_view(None, Path(folder) / "cam.html")
-        size = page.stat().st_size / 1e6
         for name, options in CONFIGURATIONS.items():
             browser = playwright.chromium.launch(executable_path=program, args=["--no-sandbox", *options])
-            runs = [play(browser, page) for _ in range(arguments.rounds)]
-            version = browser.version
+            runs = [play(browser, page) for _ in range(rounds)]
+            what = f"{name}, Chromium {browser.version}"
             browser.close()
-            opened, pictures, script = (
-                statistics.median(run[key] for run in runs) for key in ("open", "pictures", "script")
-            )
-            table.add_row(name, f"{opened:.2f}", f"{pictures:.0f}", f"{script:.1f}", f"{size:.2f}")
-            rows.append(
-                {"browser": f"{name}, Chromium {version}", "open_s": f"{opened:.3f}"}
-                | {
-                    "pictures_per_s": f"{pictures:.1f}",
-                    "script_ms": f"{script:.2f}",
-                    "size_MB": f"{size:.3f}",
-                }
-            )
-    console.print(table)
-    harness.publish(rows, circumstances("view"), arguments.output, console)
-    return 0
+            yield Group(what, {key: [run[key] for run in runs] for key in runs[0]})
 
 
-if __name__ == "__main__":
-    sys.exit(main())
+MEASURE = Measure("view", "The page of dualcam view", take, 5)
