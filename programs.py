@@ -156,10 +156,6 @@ BENCHMARKS = (
         *("-m benchmarks.study_growth", "build,study"),
     ),
     Program(
-        *("elementary", "How exact and fast are exp, sin and the like, beside the C library's?", 6),
-        *("-m benchmarks.elementary", "bench"),
-    ),
-    Program(
         *("firstuse", "What does a new user of the wheel in dist/ wait for?", 2),
         "-m benchmarks.first_use",
     ),
@@ -194,6 +190,10 @@ VERIFICATION = (
         *("hash", "Do all platforms and compilers compute the same bits?", 5),
         *("-m verification.trajectory_hash", "test"),
         build="all",
+    ),
+    Program(
+        *("elementary", "How exact and fast are exp, sin and the like, beside the C library's?", 6),
+        *("-m verification.elementary", "bench"),
     ),
     Program(
         *("compare", "Do the FMUs compute the same bits as those of another build? DIRECTORY", 2),

@@ -13,11 +13,11 @@ import house
 import pytest
 from driver import ROOT, models
 from pages import DOCS, OF_DOCS, PAGES, TEXTS, load
-from programs import PROGRAMS
 from svg_files import assert_same_picture
 
 from dualcam.__main__ import main
 from dualcam.design_file.schema import known_keys
+from programs import PROGRAMS
 
 CORE = ROOT / "fmu_src"
 README = TEXTS["README.md"]

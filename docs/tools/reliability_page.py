@@ -16,7 +16,6 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 RESULTS = ROOT / "tests/verification/results"
-BENCHMARKED = ROOT / "benchmarks/results"
 CORPUS = ROOT / "tests/fuzz_corpus"
 
 Rows = list[dict[str, str]]
@@ -31,9 +30,9 @@ commit; `git log COMMIT.. -- fmu_src` lists what has changed in the C code since
 """
 
 
-def read(name: str, folder: Path = RESULTS) -> Rows:
+def read(name: str) -> Rows:
     """A CSV file of results; nothing where there is none yet."""
-    path = folder / f"{name}.csv"
+    path = RESULTS / f"{name}.csv"
     if not path.exists():
         return []
     with path.open(newline="") as file:
@@ -313,7 +312,7 @@ Sources:
 
 def elementary_functions() -> str:
     """The page of its own about exp, sin and so on."""
-    rows, steps = read("elementary", BENCHMARKED), read("elementary_shares", BENCHMARKED)
+    rows, steps = read("elementary"), read("elementary_shares")
     compared = [row for row in rows if row["arguments"]]
     lines = [
         [

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 from driver import ROOT
 
-from benchmarks.elementary import arguments
-from benchmarks.elementary.errors import EXACT, OF_TWO, Reference, exact_error
+from verification.elementary import arguments
+from verification.elementary.errors import EXACT, OF_TWO, Reference, exact_error
 
 COUNT = 1000  # arguments of each function
 HARD = 5000  # of the hard ones

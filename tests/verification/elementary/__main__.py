@@ -16,12 +16,12 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks import elementary
-from benchmarks.elementary import arguments, errors, shares
-from benchmarks.elementary.arguments import Array
 from benchmarks.harness import core, results
 from benchmarks.harness.circumstances import circumstances
-from benchmarks.harness.repository import BENCHMARKS
+from benchmarks.harness.repository import VERIFICATION
+from verification import elementary
+from verification.elementary import arguments, errors, shares
+from verification.elementary.arguments import Array
 
 ALLOWED = 1.0  # ulp
 DOUBTFUL = 0.8  # ulp: all errors above are computed again with 60 digits
@@ -29,7 +29,7 @@ CHECKED = 10_000  # arguments of each function at which reference.c is compared 
 AGREEMENT = 1e-9  # ulp, between the two
 CHUNK = 200_000
 CALLS = 20_000  # that callgrind counts
-LOOPS = BENCHMARKS / "elementary/loops.c"
+LOOPS = Path(__file__).with_name("loops.c")
 FLAGS = (core.OPTIMISED[0], "-fomit-frame-pointer")  # of the FMUs
 TIMED = np.linspace(0.01, 6.0, 10_000)
 PAIRED = ("sin and cos",)  # whose errors are those of others
@@ -160,7 +160,7 @@ COLUMNS = {
 
 
 def main() -> int:
-    parser = results.options(elementary.__doc__, "elementary", 51)
+    parser = results.options(elementary.__doc__, "elementary", 51, folder=VERIFICATION / "results")
     parser.add_argument("--count", type=float, default=1e7, help="random arguments of each function (1e7)")
     options = parser.parse_args()
     console, library, loop, rows = results.new_console(), loops(), program(), []

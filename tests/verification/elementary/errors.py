@@ -10,9 +10,9 @@ from collections.abc import Callable, Sequence
 import mpmath
 import numpy as np
 
-from benchmarks.elementary.arguments import MP, Array
 from benchmarks.harness import core
 from benchmarks.harness.repository import BENCHMARKS
+from verification.elementary.arguments import MP, Array
 
 EXACT: dict[str, Callable[..., mpmath.mpf]] = {  # in the order of reference.c
     "exp": MP.exp,
