@@ -160,11 +160,11 @@ BENCHMARKS = (
         "-m benchmarks.first_use",
     ),
     Program("coupling", "What do derivatives gain in a coupling?", 0.2, "-m benchmarks.coupling"),
-    Program("ownplant", "Which coupling with a motor is stable?", 0.2, "-m benchmarks.own_plant"),
+    Program("ownplant", "Which coupling with a motor is stable?", 0.2, "-m benchmarks.coupling.own_plant"),
     Program("stickslip", "How exact are limit cycles of stick-slip?", 0.3, "-m benchmarks.stick_slip"),
-    Program("hunting", "Where does a PI position loop hunt?", 1, "-m benchmarks.hunting"),
 )
 VERIFICATION = (
+    Program("hunting", "Is it predicted where a PI position loop hunts?", 1, "-m verification.hunting"),
     Program("all", "Do the FMUs build for all platforms?", 2, f"{BUILD} all", build=None),
     Program(
         *("stress", "How far can each parameter be taken? Writes docs/stress.md", 15),

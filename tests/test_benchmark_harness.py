@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 
 from benchmarks.harness import circumstances, core
-from benchmarks.harness.processes import Lost, TooLong, in_processes, time_limit
+from benchmarks.harness.processes import TooLong, time_limit
+from verification.processes import Lost, in_processes
 
 
 def square_or_fail(number):

@@ -11,7 +11,7 @@ import mpmath
 import numpy as np
 
 from benchmarks.harness import core
-from benchmarks.harness.repository import BENCHMARKS
+from benchmarks.harness.repository import VERIFICATION
 from verification.elementary.arguments import MP, Array
 
 EXACT: dict[str, Callable[..., mpmath.mpf]] = {  # in the order of reference.c
@@ -69,7 +69,7 @@ class Reference:
     """The functions of reference.c."""
 
     def __init__(self, flags: Sequence[str] = ("-O3", "-fPIC", "-shared")) -> None:
-        source, product = BENCHMARKS / "elementary/reference.c", core.BUILD / "loops/reference.so"
+        source, product = VERIFICATION / "elementary/reference.c", core.BUILD / "loops/reference.so"
         self.library = ctypes.CDLL(str(core.compile_c(flags, [source], product)))
         self.constants = constants()
 

@@ -31,7 +31,8 @@ import numpy as np
 
 from benchmarks.harness import core, results
 from benchmarks.harness.oracles import driver
-from benchmarks.harness.processes import Lost, TooLong, in_processes, time_limit
+from benchmarks.harness.processes import TooLong, time_limit
+from verification.processes import Lost, in_processes
 from verification.strength import judgements, mutants, switch, tree
 from verification.stress import families
 from verification.stress.at_random import fuzz

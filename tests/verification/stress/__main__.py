@@ -18,10 +18,10 @@ import numpy as np
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
-from benchmarks.harness.processes import Lost, in_processes
 from benchmarks.harness.repository import DOCS
 from benchmarks.harness.results import say
 from verification import stress
+from verification.processes import Lost, in_processes
 from verification.stress.drive import Libraries, prepare
 from verification.stress.families import ROWS, collect
 from verification.stress.judges import judge

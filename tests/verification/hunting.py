@@ -26,7 +26,7 @@ from rich.console import Console
 from benchmarks.harness import core, pictures
 from benchmarks.harness import results as harness
 from benchmarks.harness.circumstances import circumstances
-from benchmarks.harness.repository import DOCS
+from benchmarks.harness.repository import DOCS, VERIFICATION
 from dualcam import CamHysteresis, Fmu, LimitCycle, LimitCycleWarning
 
 Array = NDArray[np.float64]
@@ -172,7 +172,9 @@ def picture(rows: list[dict[str, str]], facts: dict[str, str], path: Path) -> No
 
 
 def main() -> int:
-    arguments = harness.options(__doc__, "hunting", picture=DOCS / "hunting.png").parse_args()
+    arguments = harness.options(
+        __doc__, "hunting", picture=DOCS / "hunting.png", folder=VERIFICATION / "results"
+    ).parse_args()
     console = harness.new_console()
     with Fmu(core.fmu_path(core.FORWARD)) as fmu:
         rows = rows_of(fmu)

@@ -1,7 +1,5 @@
 """A motor in Python on the forward FMU: which coupling is stable, and how large its error is.
 
-    ./build.sh run ownplant
-
 The winding of the motor AK80-6 drives the cam through a gear of 50:1. The voltage is a sine, with which the
 cam turns from the lower stop to the upper stop and back, and sticks in between:
 
@@ -24,19 +22,17 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 from rich.console import Console
 
 from benchmarks.harness import core, pictures
 from benchmarks.harness import results as harness
 from benchmarks.harness.circumstances import circumstances
 from benchmarks.harness.repository import DOCS
+from benchmarks.harness.timing import Array
 from dualcam import Fmu
 from dualcam.coupling import PlantCoupling, ShaftMotion, reflected_inertia
 from dualcam.errors import UnstableCouplingWarning
 from dualcam.systems.motor import AK80_6
-
-Array = NDArray[np.float64]
 
 GEAR_RATIO = 50.0
 CONSTANT = GEAR_RATIO * AK80_6.torque_constant  # N.m/A at the shaft
@@ -220,9 +216,8 @@ def main() -> int:
     console = harness.new_console()
     with Fmu(core.fmu_path(core.FORWARD)) as fmu:
         exact, runs = study(fmu)
-    rows = rows_of(exact, runs)
+    rows, facts = rows_of(exact, runs), circumstances("ownplant", "numpy")
     report(rows, console)
-    facts = circumstances("ownplant", "numpy")
     picture(exact, runs, facts, arguments.picture)
     harness.publish(rows, facts, arguments.output, console, arguments.picture)
     return 0
