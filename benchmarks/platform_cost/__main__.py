@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import build_fmu
-from trajectory_hash import (  # type: ignore[import-not-found]
+from trajectory_hash import (
     ARM,
     NATIVE,
     TARGETS,

@@ -68,7 +68,8 @@ def fitted() -> list[Array]:
     middle, half = sum(FITTED) / 2.0, (FITTED[1] - FITTED[0]) / 2.0
     points = np.cos(np.pi * (np.arange(DEGREE + 1) + 0.5) / (DEGREE + 1))
     columns = np.array([transmission(middle + half * x) for x in points]).T
-    return [Chebyshev.fit(points, c, DEGREE, domain=[-1, 1]).convert(kind=Polynomial).coef for c in columns]
+    curves = [Chebyshev.fit(points, column, DEGREE, domain=[-1, 1]) for column in columns]
+    return [np.asarray(curve.convert(kind=Polynomial).coef, dtype=float) for curve in curves]
 
 
 def mechanism() -> MechanismStruct:

@@ -14,7 +14,6 @@ from verification.strength import (
     choice,
     coverage,
     decisions,
-    judged,
     judgements,
     mutants,
     schedule,
@@ -22,7 +21,6 @@ from verification.strength import (
     switch,
     tree,
 )
-from verification.stress.scene import COMPARED, Scene, Trace
 
 CORE = ROOT / "fmu_src"
 CODE = """\
@@ -378,15 +376,3 @@ def test_each_explained_branch_is_a_branch_of_the_code():
         }
     assert not set(explained) - known, "branches that are gone: remove them from unreached.toml"
     assert all(len(reason) > 20 for reason in explained.values())
-
-
-def test_results_of_two_runs_are_compared_in_tolerances():
-    def ended(theta):
-        values = dict.fromkeys(COMPARED, 1.0) | {"theta": theta}
-        return Trace(read=[values], largest=dict.fromkeys(COMPARED, 2.0), turnover=1.0)
-
-    played = judged.Played(Scene("", {}, [], tolerance=1e-6), ended(1.0), frozenset())
-    error, where = judged.difference(played, ended(1.0 + 3e-5), played.trace)
-    assert error == pytest.approx(15.0) and "theta" in where  # relative to the largest angle
-    error, where = judged.difference(played, Trace(refusal="jam"), played.trace)
-    assert error == float("inf") and "jam" in where

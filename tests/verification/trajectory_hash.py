@@ -12,7 +12,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from trajectory_hash import (  # type: ignore[import-not-found]
+from trajectory_hash import (
     QUICK,
     Build,
     Missing,

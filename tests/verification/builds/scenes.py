@@ -9,7 +9,7 @@ from __future__ import annotations
 import gzip
 import json
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
 from itertools import pairwise
@@ -18,10 +18,12 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.harness.oracles import Interval, reference
+
 Scalar = float | int | bool | str
 Rng = np.random.Generator
 FORWARD, INVERSE = "DualCamForward", "DualCamInverse"
-HELIX, ELLIPSE, TABLE = 1, 2, 3
+FORWARD_ONLY = ("initial.", "stop.restitution")  # parameters that the inverse FMU has not
 TOLERANCES = (1e-4, 1e-6, 1e-9, 1e-11)
 GENERAL_SCENES = Path(__file__).resolve().parents[2] / "data" / "general_scenes.json.gz"
 MOST_MOVES = 60  # of a random scene
@@ -54,167 +56,32 @@ class Scene:
     read_most_every: int = 5  # moves; then derivatives and step.* are read, too
 
 
-# ---- grooves ----
-
-
-@dataclass(frozen=True)
-class Groove:
-    parameters: dict[str, Scalar]
-    slopes: np.ndarray  # m/rad, over the range of psi
-
-
-def log_uniform(rng: Rng, low: float, high: float) -> float:
-    return float(np.exp(rng.uniform(np.log(low), np.log(high))))
-
-
-def maybe(rng: Rng, share: float, draw: Callable[[], float]) -> float:
-    """0 but for that share of the draws."""
-    return float(draw()) if rng.random() < share else 0.0
-
-
-def draw_helix(rng: Rng, radius: float) -> Groove:
-    low, high = [(0.35, 1.1), (0.05, 0.35), (1.1, 1.4)][rng.choice(3, p=[0.6, 0.25, 0.15])]
-    lead = rng.uniform(low, high)
-    return Groove({"lead_angle": lead}, np.array([radius * math.tan(lead)]))
-
-
-def draw_ellipse(rng: Rng, radius: float, lower: float, upper: float) -> Groove:
-    """The sine of the parameter runs from s0 at psi = 0 towards s1, with some room beyond the stops."""
-    s0, s1 = rng.uniform(0.1, 0.9, 2)
-    curvature = 1 if s1 > s0 else -1
-    room = min(s0, 1.0 - s0) if lower < 0.0 else 1.0
-    a = radius * max(upper, -lower * abs(s1 - s0) / room) * rng.uniform(1.05, 1.5) / abs(s1 - s0)
-    lead = rng.uniform(0.25, 1.15)
-    b = a * math.tan(lead) * math.sqrt(1.0 - s0 * s0) / s0
-    sine = s0 + curvature * radius * np.linspace(lower, upper, 9) / a
-    slopes = radius * b / a * sine / np.sqrt(np.maximum(1.0 - sine**2, 0.01))
-    parameters: dict[str, Scalar] = {
-        "lead_angle": lead, "ellipse_a": a, "ellipse_b": b, "ellipse_curvature": curvature
-    }  # fmt: skip
-    return Groove(parameters, slopes)
-
-
-def draw_table(rng: Rng, radius: float, lower: float, upper: float, path: Path) -> Groove:
-    """A wavy slope, in a third of the tables with a dwell, written to `path`."""
-    count = int(rng.integers(6, 61))
-    psi = np.linspace(lower - rng.uniform(0.02, 0.3), upper + rng.uniform(0.02, 0.3), count)
-    psi[1:-1] += rng.uniform(-0.2, 0.2, count - 2) * (psi[1] - psi[0])
-    mean, swing = rng.uniform(0.4, 1.0), rng.uniform(0.0, 0.3)
-    slopes = radius * np.tan(mean + swing * np.sin(rng.uniform(0.5, 3.0) * psi + rng.uniform(0.0, 6.0)))
-    rises = 0.5 * (slopes[1:] + slopes[:-1]) * np.diff(psi)
-    if count >= 16 and rng.random() < 0.35:
-        first = int(rng.integers(2, count - 6))
-        rises[first : first + int(rng.integers(1, 4))] = 0.0
-    z = np.concatenate([[0.0], np.cumsum(rises)])
-    rows = [f"{a!r},{b!r}" for a, b in zip(psi.tolist(), z.tolist(), strict=True)]
-    path.write_text("\n".join(["psi_rad,z_m", *rows]) + "\n")
-    return Groove({"table": str(path)}, slopes)
-
-
 # ---- mechanisms ----
 
 
 @dataclass(frozen=True)
-class Size:
-    """Characteristic quantities of a mechanism, from which inputs and motion are drawn."""
+class Drawn:
+    """A random scene of the reference: parameters of the FMU, and intervals of its inputs."""
 
-    force: float  # N
-    torque: float  # N.m
-    time: float  # s
-    speed: float  # rad/s
+    parameters: dict[str, Scalar]
+    intervals: Sequence[Interval]
 
+    def range_of(self) -> tuple[float, float]:
+        """Of theta [rad]."""
+        return float(self.parameters.get("stop.lower", 0.0)), float(self.parameters.get("stop.upper", 1.3963))
 
-def draw_grooves(rng: Rng, helical: bool, name: str, folder: Path) -> tuple[dict[str, Scalar], np.ndarray]:
-    """Parameters of stops, grooves and friction; and dz/dtheta, dgamma/dtheta, loading torque per force."""
-    while True:
-        p: dict[str, Scalar] = {}
-        upper = p["stop.upper"] = rng.uniform(0.3, 2.5)
-        lower = p["stop.lower"] = -maybe(rng, 0.4, lambda: rng.uniform(0.1, 1.0))
-        slopes, frictions, radii = [], [], []
-        for i in (1, 2):
-            radius = p[f"cam{i}.radius"] = rng.uniform(0.005, 0.05)
-            profile = HELIX if helical else int(rng.choice([HELIX, ELLIPSE, TABLE], p=[0.15, 0.45, 0.4]))
-            if profile == HELIX:
-                groove = draw_helix(rng, radius)
-            elif profile == ELLIPSE:
-                groove = draw_ellipse(rng, radius, lower, upper)
-            else:
-                groove = draw_table(rng, radius, lower, upper, folder / f"{name}-{i}.csv")
-            p |= {f"cam{i}.{key}": value for key, value in groove.parameters.items()}
-            p[f"cam{i}.profile"] = profile
-            share = 0.0 if rng.random() < 0.1 else 0.85
-            friction = maybe(rng, share, lambda: rng.uniform(0.0, 0.5) * rng.choice([1.0, 0.4]))
-            p[f"cam{i}.friction"] = friction
-            slopes.append(groove.slopes)
-            frictions.append(friction)
-            radii.append(radius)
-        steepest = [float(s.max()) for s in slopes]
-        a1, a2 = (float(s.mean()) for s in slopes)
-        n = [s + mu * r for s, mu, r in zip(steepest, frictions, radii, strict=True)]
-        d = [r - mu * s for s, mu, r in zip(steepest, frictions, radii, strict=True)]
-        delta = radii[1] * d[0] * n[1] + radii[0] * d[1] * n[0]
-        dz, dgamma = a1 * a2 / (a1 + a2), a2 / (a1 + a2)
-        torque = radii[0] * radii[1] * n[0] * n[1] / delta if delta > 0.0 else math.inf
-        if torque < 30.0 * dz or rng.random() < 0.01:  # a jam now and then: the FMU has to refuse it
-            return p, np.array([dz, dgamma, min(torque, 30.0 * dz)])
+    def time(self) -> float:
+        """Of a typical motion [s]."""
+        return float(np.median([interval.duration for interval in self.intervals]))
+
+    def largest(self, name: str) -> float:
+        """Of an input."""
+        return max(abs(getattr(interval, name)) for interval in self.intervals)
 
 
-def draw_mechanism(rng: Rng, helical: bool, name: str, folder: Path) -> tuple[dict[str, Scalar], Size]:
-    p, (dz, dgamma, ratio) = draw_grooves(rng, helical, name, folder)
-    lower, upper = float(p["stop.lower"]), float(p["stop.upper"])
-    travel = dz * (upper - lower)
-    force = log_uniform(rng, 3.0, 3000.0)
-    torque = ratio * force
-    spring = {
-        "preload": maybe(rng, 0.75, lambda: force * rng.uniform(0.02, 1.0)),
-        "stiffness": maybe(rng, 0.88, lambda: force / travel * log_uniform(rng, 0.1, 3.0)),
-    }
-    if not helical or rng.random() < 0.1:
-        spring["stiffness2"] = maybe(rng, 0.6, lambda: force / travel**2 * rng.uniform(-0.3, 1.0))
-        spring["stiffness3"] = maybe(rng, 0.6, lambda: force / travel**3 * rng.uniform(-0.2, 1.0))
-    p |= {f"spring.{key}": value for key, value in spring.items()}
-    stiffness = max(spring["stiffness"], 0.1 * force / travel) * dz * dz
-    regime = rng.choice(["inertial", "viscous", "rate-independent"], p=[0.7, 0.15, 0.15])
-    time = log_uniform(rng, 1e-2, 1.0)
-    p["inertia.shaft"] = 0.0
-    damping = stiffness * time
-    if regime == "inertial":
-        shaft = max(log_uniform(rng, 1e-5, 1.0), stiffness * 1e-6)
-        mass = p["inertia.follower_mass"] = maybe(
-            rng, 0.5, lambda: shaft / dz**2 * log_uniform(rng, 0.01, 2.0)
-        )
-        turning = p["inertia.follower"] = maybe(
-            rng, 0.5, lambda: shaft / dgamma**2 * log_uniform(rng, 0.01, 2.0)
-        )
-        p["inertia.shaft"] = 0.0 if mass and rng.random() < 0.05 else shaft
-        inertia = float(p["inertia.shaft"]) + mass * dz**2 + turning * dgamma**2
-        time, damping = 2.0 * math.pi * math.sqrt(inertia / stiffness), 2.0 * math.sqrt(inertia * stiffness)
-        speed = math.sqrt(torque * (upper - lower) / inertia)
-    else:
-        speed = (upper - lower) / time
-    if regime != "rate-independent":
-        quadratic = 0.1 if helical else 0.6
-        for side in ("load", "release"):
-            p[f"damper.c_{side}"] = maybe(rng, 0.6, lambda: damping / dz**2 * log_uniform(rng, 0.01, 10.0))
-            p[f"damper.q_{side}"] = maybe(
-                rng, quadratic, lambda: damping / dz**3 / speed * log_uniform(rng, 0.03, 6.0)
-            )
-        p["shaft.damping"] = maybe(rng, 0.5, lambda: damping * log_uniform(rng, 0.01, 10.0))
-    p["contacts"] = int(rng.integers(1, 3))
-    p["ledger"] = bool(rng.random() < 0.85)
-    return p, Size(force, torque, time, speed)
-
-
-def draw_start(rng: Rng, p: Mapping[str, Scalar], size: Size) -> dict[str, Scalar]:
-    """Of the forward FMU: where it begins, and the restitution of its stops."""
-    lower, upper = float(p["stop.lower"]), float(p["stop.upper"])
-    places = [max(0.0, lower), lower, upper, rng.uniform(lower, upper)]
-    theta = places[rng.choice(4, p=[0.4, 0.15, 0.15, 0.3])]
-    omega = maybe(rng, 0.4, lambda: size.speed * rng.uniform(-1.0, 1.0)) if p["inertia.shaft"] else 0.0
-    if theta in (lower, upper) and (omega > 0.0) == (theta == upper):
-        omega *= -1.0
-    restitution = maybe(rng, 0.6, lambda: rng.uniform(0.05, 1.0))
-    return {"initial.theta": theta, "initial.omega": omega, "stop.restitution": restitution}
+def drawn(rng: Rng, helical: bool, folder: Path) -> Drawn:
+    p, intervals = reference.random_scene(rng) if helical else reference.random_general_scene(rng, folder)
+    return Drawn({**p, "ledger": bool(rng.random() < 0.85)}, intervals)
 
 
 # ---- inputs and steps ----
@@ -244,6 +111,10 @@ def cut(duration: float, inputs: Mapping[str, Sequence[float]], times: Sequence[
         yield Move(end - start, {name: u[0] for name, u in at.items()}, derivatives)
 
 
+def log_uniform(rng: Rng, low: float, high: float) -> float:
+    return float(np.exp(rng.uniform(np.log(low), np.log(high))))
+
+
 def draw_polynomial(rng: Rng, size: float, duration: float, curved: float) -> list[float]:
     """A constant, ramp, parabola or cubic; `curved`: the share that is not constant."""
     order = int(rng.integers(1, 4)) if rng.random() < curved else 0
@@ -251,21 +122,11 @@ def draw_polynomial(rng: Rng, size: float, duration: float, curved: float) -> li
     return [0.0] + [float(x) * math.factorial(k) / duration**k for k, x in enumerate(swing, start=1)]
 
 
-def draw_moves(rng: Rng, size: Size) -> list[Move]:
-    curved = float(rng.choice([0.0, 0.3, 0.8]))
-    pulls = rng.random() < 0.5
+def draw_moves(rng: Rng, scene: Drawn) -> list[Move]:
     moves: list[Move] = []
-    for _ in range(rng.integers(4, 16)):
-        duration = min(log_uniform(rng, 0.03 * size.time, 1.5 * size.time), 1.0)
-        tau = draw_polynomial(rng, size.torque, duration, curved)
-        levels = [0.0, rng.uniform(-2.0, 0.3), rng.uniform(0.0, 1.0), rng.uniform(0.5, 3.0)]
-        tau[0] = size.torque * float(rng.choice(levels))
-        inputs = {"tau": tau}
-        if pulls:
-            pull = draw_polynomial(rng, size.force, duration, 0.5 * curved)
-            pull[0] = size.force * float(rng.choice([0.0, rng.uniform(-2.0, 0.0), rng.uniform(-0.5, 1.0)]))
-            inputs["F_ext"] = pull
-        moves += cut(duration, inputs, draw_cuts(rng, duration))
+    for interval in scene.intervals:
+        inputs = {name: interval.at(name, 0.0) for name in ("tau", "F_ext")}
+        moves += cut(interval.duration, inputs, draw_cuts(rng, interval.duration))
     return moves[:MOST_MOVES]
 
 
@@ -290,12 +151,12 @@ def tuned(rng: Rng, p: Mapping[str, Scalar], moves: Sequence[Move]) -> list[Move
 def random_scene(helical: bool, number: int, folder: Path) -> Scene:
     kind = "helical" if helical else "general"
     rng = np.random.default_rng([1 if helical else 2, number])
-    p, size = draw_mechanism(rng, helical, f"{kind}-{number}", folder)
-    p |= draw_start(rng, p, size)
-    moves = tuned(rng, p, draw_moves(rng, size))
+    scene = drawn(rng, helical, folder)
+    moves = tuned(rng, scene.parameters, draw_moves(rng, scene))
     tolerance = None if rng.random() < 0.3 else float(rng.choice(TOLERANCES))
     every, resets = int(rng.choice([1, 1, 3, 1000])), bool(rng.random() < 0.1)
-    return Scene(f"{kind} {number}", FORWARD, p, moves, tolerance, resets=resets, read_every=every)
+    title = f"{kind} {number}"
+    return Scene(title, FORWARD, scene.parameters, moves, tolerance, resets=resets, read_every=every)
 
 
 # ---- inverse ----
@@ -304,15 +165,18 @@ def random_scene(helical: bool, number: int, folder: Path) -> Scene:
 def inverse_scene(number: int, folder: Path) -> Scene:
     """An imposed swing with reversals and rests; the shaft rigid or elastic."""
     rng = np.random.default_rng([3, number])
-    p, size = draw_mechanism(rng, rng.random() < 0.4, f"inverse-{number}", folder)
-    lower, upper = float(p["stop.lower"]), float(p["stop.upper"])
-    stiffness = maybe(rng, 0.5, lambda: size.torque / (upper - lower) * log_uniform(rng, 1.0, 300.0))
+    scene = drawn(rng, rng.random() < 0.4, folder)
+    p = {name: value for name, value in scene.parameters.items() if not name.startswith(FORWARD_ONLY)}
+    (lower, upper), period = scene.range_of(), scene.time()
+    stiffness = 0.0
+    if rng.random() < 0.5:
+        stiffness = scene.largest("tau") / (upper - lower) * log_uniform(rng, 1.0, 300.0)
     p["shaft.stiffness"] = stiffness
     middle, swing = 0.5 * (lower + upper), 0.5 * (upper - lower) * rng.uniform(0.1, 1.02)
-    w, phase = 2.0 * math.pi / size.time, rng.uniform(0.0, 6.0)
-    smooth, h = rng.random() < 0.6, size.time * log_uniform(rng, 2e-3, 0.5)
+    w, phase = 2.0 * math.pi / period, rng.uniform(0.0, 6.0)
+    smooth, h = rng.random() < 0.6, period * log_uniform(rng, 2e-3, 0.5)
     rest = int(rng.integers(0, 30))
-    pull = draw_polynomial(rng, 0.3 * size.force, 40.0 * h, 0.5)
+    pull = draw_polynomial(rng, 0.3 * scene.largest("F_ext"), 40.0 * h, 0.5)
     moves, t = [], 0.0
     for k in range(40):
         values = [
@@ -340,26 +204,25 @@ def exchange_scene(number: int, folder: Path) -> Scene:
     if number % 6 == 5:
         return replace(inverse_scene(number, folder), version=2 + number // 6 % 2, use="exchange")
     rng = np.random.default_rng([4, number])
-    p, size = draw_mechanism(rng, rng.random() < 0.5, f"exchange-{number}", folder)
-    p |= draw_start(rng, p, size)
-    lower, upper = float(p["stop.lower"]), float(p["stop.upper"])
+    scene = drawn(rng, rng.random() < 0.5, folder)
+    (lower, upper), period = scene.range_of(), scene.time()
     jumps = rng.random() < 0.5
     moves = []
-    for move in draw_moves(rng, size):
-        speed = maybe(rng, 0.7, lambda: size.speed * rng.uniform(-1.0, 1.0))
+    for move in draw_moves(rng, scene):
+        speed = float(rng.choice([0.0, (upper - lower) / period])) * rng.uniform(-1.0, 1.0)
         states = (float(rng.uniform(lower, upper)), speed) if jumps else ()
-        length = min(move.length, 0.01 * size.time)
-        moves.append(Move(length, move.values, states=states))
-    return Scene(f"exchange {number}", FORWARD, p, moves, None, 2 + number % 2, "exchange")
+        moves.append(Move(min(move.length, 0.01 * period), move.values, states=states))
+    version = 2 + number % 2
+    return Scene(f"exchange {number}", FORWARD, scene.parameters, moves, None, version, "exchange")
 
 
 def early_return_scene(number: int, folder: Path) -> Scene:
     """FMI 3.0: steps with early return at mode changes, event mode, inputs asked for within the step."""
     rng = np.random.default_rng([5, number])
-    p, size = draw_mechanism(rng, rng.random() < 0.7, f"early-{number}", folder)
-    p |= draw_start(rng, p, size)
-    moves = draw_moves(rng, size)[:20]
-    return Scene(f"early return {number}", FORWARD, p, moves, None, 3, "early return", read_most_every=1)
+    scene = drawn(rng, rng.random() < 0.7, folder)
+    moves = draw_moves(rng, scene)[:20]
+    title = f"early return {number}"
+    return Scene(title, FORWARD, scene.parameters, moves, None, 3, "early return", read_most_every=1)
 
 
 def curved_scene(number: int, folder: Path) -> Scene:

@@ -59,8 +59,6 @@ Equivalent mutants and those of cost were judged by hand (`tests/verification/st
 verdict names the text of its line, and the run lists verdicts whose code has changed. A mutant with such a
 verdict meets {judged:g} s of the tests in which the mistake makes a difference, the most promising ones
 first; any other mutant meets all of them.
-`python -m verification.strength.judged` plays random scenes with such mutants, and lists results that
-differ from those without the mistake.
 """
 
 
