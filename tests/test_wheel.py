@@ -183,6 +183,19 @@ def test_the_source_archive_holds_what_a_build_needs(dist):
     assert not any(name.startswith(("tests/", "build/", ".")) for name in names)
 
 
+def test_an_editable_installation_finds_the_developers_modules(tmp_path):
+    """The file of paths is listed in RECORD, so that pip removes it. The wheel has none (see above)."""
+    with zipfile.ZipFile(backend("build_editable", tmp_path)) as archive:
+        content = archive.read("dualcam_development.pth")
+        record = archive.read(f"dualcam-{VERSION}.dist-info/RECORD").decode()
+    digest = base64.urlsafe_b64encode(hashlib.sha256(content).digest()).decode().rstrip("=")
+    assert f"dualcam_development.pth,sha256={digest},{len(content)}" in record.split("\n")
+    folders = [Path(line) for line in content.decode().splitlines()]
+    modules = ("programs", "build_fmu", "robot_joint", "driver", "verification/__init__")
+    assert [any((folder / f"{name}.py").is_file() for folder in folders) for name in modules] == [True] * 5
+    assert all(folder.is_relative_to(ROOT) for folder in folders)
+
+
 # ---- installation ----
 
 
