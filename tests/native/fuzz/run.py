@@ -33,7 +33,7 @@ from pathlib import Path
 from typing import Any
 
 from build_fmu import ALL, MODELS, ROOT, ZIG, dual_cam, locked
-from fuzz_corpus import CORPUS, findings_of, inputs_of, write_archive
+from fuzz_corpus import CORPUS, inputs_of, write_archive
 from native_programs import FOLDER, Toolchain, build_fuzz_target, fuzz_name
 
 PROGRAMS = [fuzz_name(dual_cam(name, False, version)) for version in ALL for name in MODELS]
@@ -116,8 +116,6 @@ def seeds(names: Iterable[str] = PROGRAMS) -> Iterator[Path]:
     with tempfile.TemporaryDirectory() as folder:
         for name in names:
             inputs_of(name, Path(folder))
-            for finding in findings_of(name):
-                shutil.copy(finding, Path(folder) / f"{name}-{finding.name}")
         yield Path(folder)
 
 
@@ -171,7 +169,8 @@ def measure(clang: str, programs: Mapping[str, Path]) -> dict[str, Counter[str]]
         profiles = []
         for name, program in programs.items():
             profile = Path(folder) / f"{name}.profraw"
-            inputs = sorted(str(path) for path in inputs_of(name, Path(folder) / name))
+            (place := Path(folder) / name).mkdir()
+            inputs = sorted(str(path) for path in inputs_of(name, place))
             env["LLVM_PROFILE_FILE"] = str(profile)
             subprocess.run([program, *inputs], check=True, stdout=subprocess.DEVNULL, env=env)
             profiles.append(str(profile))
