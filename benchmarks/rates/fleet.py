@@ -19,7 +19,7 @@ from contextlib import ExitStack
 import numpy as np
 from rich.console import Console
 
-from benchmarks.growth.instances import TORQUES, WORK, Instances, powers
+from benchmarks.growth.measure import TORQUES, WORK, Instances, powers
 from benchmarks.harness import core
 from benchmarks.harness.timing import Block, in_turns
 from benchmarks.rates.measure import Group, Limit, Measure

@@ -1,22 +1,30 @@
-"""Cost over the number of instances, of steps and of threads."""
+"""Cost over the number of instances, of steps, of threads and of table points; cost of starting up."""
 
 from __future__ import annotations
 
 import ctypes
 import math
+import statistics
+import subprocess
 import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from benchmarks.harness import core
+import numpy as np
+
+from benchmarks.harness import core, instructions, steps
 from benchmarks.harness.fmu import Slave
 from benchmarks.harness.processes import resident_bytes
+from benchmarks.harness.repository import BENCHMARKS
 from benchmarks.harness.slave import address
+from benchmarks.harness.steps import StepBlock
+from benchmarks.mechanisms import START, STEP, STEPS, TABLE_WIDTH, tables, to_and_fro
 
 TORQUES = (8.0, 1.0)  # N.m, 32 steps each
 WORK = 100_000  # steps at least per timing
+START_UP = ("load the library", "instantiate", "initialise", "first step")
 Row = tuple[str, str, float, float, float]  # what, unit, size, seconds and bytes per unit
 
 
@@ -119,3 +127,38 @@ class Instances:
             for pool in pools:
                 pool.__exit__(None, None, None)
             yield "threads", "step", count, seconds / count / 640_000, math.nan
+
+
+def of_tables(largest: int) -> Iterator[Row]:
+    """Initialising and stepping with tables of 10 to `largest` points in both grooves."""
+    for points in powers(10, largest):
+        parameters = START | tables(points)
+        slave = Slave()
+        before = resident_bytes()
+        start = time.perf_counter()
+        slave.set(parameters)
+        slave.initialise()
+        seconds, gained = time.perf_counter() - start, resident_bytes() - before
+        yield "table points: initialise", "point", points, seconds / points, gained / points
+        block = StepBlock(steps.load_loops(), slave, to_and_fro(), np.full(STEPS, STEP), 0.0)
+        block.save()
+        block.seconds()
+        stepped = block.seconds()
+        yield "table points: step", "step", points, stepped, math.nan
+        # The psi of each groove turns by about half of theta, and there are two grooves.
+        knots = block.angle_travelled() * (points - 1) / TABLE_WIDTH
+        per_knot = stepped / (1.0 + knots / STEPS)
+        yield "table points: knot passed", "step and knot", points, per_knot, math.nan
+        slave.fmu.freeInstance()
+
+
+def start_up(rounds: int) -> Iterator[Row]:
+    """The parts of a start-up, from C, in a new process for each round. All memory is touched for the first
+    time."""
+    program = core.BUILD / "start_up"
+    core.compile_c(["-O2", "-ldl"], [BENCHMARKS / "growth/start_up.c"], program)
+    slave = Slave()
+    words = [str(program), *instructions.fmu_words(slave.fmu), str(slave.references["tau"])]
+    runs = [list(map(float, subprocess.check_output(words, text=True).split())) for _ in range(rounds)]
+    for name, seconds in zip(START_UP, zip(*runs, strict=True), strict=True):
+        yield f"start-up: {name}", "call", 1, statistics.median(seconds), math.nan
