@@ -50,43 +50,50 @@ class Program:
 
 BUILD = "fmu_src/tools/build_fmu.py"
 EXAMPLES = (
-    Program("joint", "How does the cam support a robot's elbow?", 0.1, "system_examples/robot_joint.py"),
-    Program("knee", "What does the cam give a prosthetic knee?", 0.1, "system_examples/prosthetic_knee.py"),
-    Program("door", "How is a car door held at any angle?", 0.1, "system_examples/car_door.py"),
-    Program("clamp", "How does warm grease change a clamp?", 0.1, "system_examples/spring_clamp.py"),
-    Program("design", "Which grooves give a wanted torque?", 0.1, "system_examples/designed_groove.py"),
     Program(
-        *("plan", "Which torque raises the elbow in optimal control?", 0.2),
+        *("joint", "What does the cam save a robot joint that carries a payload?", 0.1),
+        "system_examples/robot_joint.py",
+    ),
+    Program("knee", "What does the cam save a knee in swing?", 0.1, "system_examples/prosthetic_knee.py"),
+    Program(
+        *("door", "Can a door stay at every angle with its motor off?", 0.1), "system_examples/car_door.py"
+    ),
+    Program(
+        *("clamp", "How far does the torque drift while the grease warms up?", 0.1),
+        "system_examples/spring_clamp.py",
+    ),
+    Program("design", "Which groove makes a wanted torque?", 0.1, "system_examples/designed_groove.py"),
+    Program(
+        *("plan", "Which motor torque raises the elbow with the least heat? (optimal control)", 0.2),
         *("system_examples/planned_elbow.py", "build,casadi"),
     ),
     Program(
-        *("elbow", "Which torque raises the elbow with the least heat?", 0.5),
+        *("elbow", "The same in two strokes, through stick and slip, by gradients", 0.5),
         *("system_examples/elbow_torque.py", "build,jax"),
     ),
     Program(
-        *("mujoco", "How is the cam put on a joint in MuJoCo?", 0.2),
+        *("mujoco", "Does the elbow stay with the motor off, beside MuJoCo's own friction?", 0.2),
         *("system_examples/mujoco_elbow.py", "build,mujoco"),
     ),
-    Program("gains", "Which gains suit a fleet of 10^5 loops?", 5, "system_examples/controller_gains.py"),
     Program(
-        *("sampling", "Is a sampling controller (MPPI) better than the LQI?", 10),
+        *("gains", "Which gains suit the elbow if payload and friction are not known?", 5),
+        "system_examples/controller_gains.py",
+    ),
+    Program(
+        *("sampling", "What does planning by trial runs save, if payload and friction are unknown?", 10),
         "system_examples/sampling_elbow.py",
     ),
-    Program(
-        *("study", "How do efficiency and motion depend on the parameters?", 0.5),
-        *("-m dualcam study", "build,study"),
-        arguments=STUDIES,
-    ),
-    Program(
-        *("ssp", "Do the examples run as SSP packages in other masters? Writes docs/ssp.md", 3),
-        "-m system_examples.ssp",
-    ),
+    Program("study", "Which parameters matter?", 0.5, "-m dualcam study", "build,study", arguments=STUDIES),
+    Program("ssp", "How do the examples run in other masters? docs/ssp.md", 3, "-m system_examples.ssp"),
 )
 REPORTS = (
-    Program("report-joint", "The robot's elbow at length", 0.1, "-m case_studies.robot_joint"),
-    Program("report-knee", "The prosthetic knee at length", 0.1, "-m case_studies.prosthetic_knee"),
-    Program("report-door", "The car door at length", 0.1, "-m case_studies.car_door"),
-    Program("paper", "Writes docs/paper.md and its pictures", 0.1, "-m case_studies.paper"),
+    Program("report-joint", "What else can be said about the joint?", 0.1, "-m case_studies.robot_joint"),
+    Program("report-knee", "What else about the knee?", 0.1, "-m case_studies.prosthetic_knee"),
+    Program("report-door", "What else about the door?", 0.1, "-m case_studies.car_door"),
+    Program(
+        *("paper", "Which claims of the paper can be reproduced? Writes docs/paper.md", 0.1),
+        "-m case_studies.paper",
+    ),
 )
 PAGES = (
     Program(
@@ -227,7 +234,7 @@ PROGRAMS = {program.name: program for programs in TABLE.values() for program in 
 
 
 def row(name: str, question: str, minutes: str, needs: str) -> str:
-    return f"  {name:13} {question:73} {minutes:>7}  {needs}".rstrip()
+    return f"  {name:13} {question:75} {minutes:>7}  {needs}".rstrip()
 
 
 def table() -> str:
