@@ -90,7 +90,7 @@ run_tests() {
 run_checks() {
     install_dependencies '.[check]'
     say "clang-format"
-    find fmu_src -name '*.[ch]' -print0 | xargs -0 .venv/bin/clang-format --dry-run -Werror
+    find fmu_src dualcam -name '*.[ch]' -print0 | xargs -0 .venv/bin/clang-format --dry-run -Werror
     say "ruff"
     .venv/bin/python -m ruff check .
     say "mypy"
