@@ -1,6 +1,6 @@
 """All benchmarks in turn, then docs/performance.md from their results: about ten minutes.
 
-    ./build.sh bench [--quick] [PART ...]
+    ./build.sh run bench [--quick] [PART ...]
 
 Each part is a command of its own. It runs in a process of its own and writes a CSV file and a picture into
 benchmarks/results, with machine, versions, commit and its command. A part that misses one of its targets
@@ -24,10 +24,11 @@ QUICK = ROOT / "build" / "quick"
 
 @dataclass(frozen=True)
 class Part:
-    command: str  # of build.sh
+    command: str  # of `./build.sh run`
     name: str  # of the module and of its CSV file
     description: str
     quick: str  # arguments
+    words: tuple[str, ...] = ()  # module and argument, where it is no module of this name
     drawn: bool = True
 
     def arguments(self, folder: Path, quick: bool) -> list[str]:
@@ -41,7 +42,7 @@ class Part:
 
 PARTS = (
     Part("cost", "step_cost", "the cost of a step", "--rounds 3 --fmpy-rounds 3"),
-    Part("loop", "loop_cost", "a control loop in Python", "--rounds 3", drawn=False),
+    Part("loop", "loop", "a control loop in Python", "--rounds 3", ("rates", "loop"), drawn=False),
     Part("skipping", "skipping", "the cost of each part where it is absent", "--rounds 3"),
     Part("worst", "worst_step", "the worst of a million steps", "--steps 5000 --rounds 2 --count 10"),
     Part("growth", "growth", "growth", "--steps 1000 --instances 100 --points 100 --rounds 2"),
@@ -52,9 +53,9 @@ PARTS = (
 def run(part: Part, folder: Path, quick: bool) -> bool:
     """False if the part misses a target. SystemExit if it has written nothing."""
     written, begun = folder / f"{part.name}.csv", time.time()
-    done = subprocess.run(
-        [sys.executable, "-m", f"benchmarks.{part.name}", *part.arguments(folder, quick)], cwd=ROOT
-    )
+    module, *words = part.words or (part.name,)
+    command = [sys.executable, "-m", f"benchmarks.{module}", *words, *part.arguments(folder, quick)]
+    done = subprocess.run(command, cwd=ROOT)
     if not written.exists() or written.stat().st_mtime < begun - 1.0:
         raise SystemExit(f"bench: {part.command} ended with {done.returncode} and has written nothing")
     return done.returncode == 0

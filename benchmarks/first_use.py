@@ -1,6 +1,6 @@
 """The first minutes of a new user: how long each command takes, and how much disk the package takes.
 
-    ./build.sh firstuse
+    ./build.sh run firstuse
 
 A new virtual environment gets the wheel in `dist` and nothing else. Each command then runs in a folder of its
 own, with no compiler on the PATH. `--help` is the median of several starts. The exported FMU runs in FMPy and
@@ -20,15 +20,14 @@ from dataclasses import replace
 from pathlib import Path
 
 import fmpy
-import install  # the folder masters is on PYTHONPATH, see build.sh
 import numpy as np
-import players
-from scenes import PROFILE
 
 from benchmarks.harness import results as harness
 from benchmarks.harness.circumstances import circumstances
 from benchmarks.harness.repository import ROOT
 from dualcam.errors import DualcamError
+from verification.masters import install, players
+from verification.masters.scenes import PROFILE
 
 STARTS = 7  # of `dualcam --help`
 MEBIBYTE = 1024.0**2

@@ -1,6 +1,6 @@
 """The cost of a step where friction depends on speed or load, beside the same step with Coulomb's law.
 
-    ./build.sh friction
+    ./build.sh run friction
 
 Instructions of general steps of 1 ms are counted by callgrind (harness/instructions.py), so that a busy
 machine does not matter. The mechanisms are those of benchmarks/step_cost: 30 steps of a half swing under 1.30

@@ -1,6 +1,6 @@
 """The cost of each part of the mechanism, and whether an absent part costs nothing.
 
-    ./build.sh skipping
+    ./build.sh run skipping
 
 Two mechanisms that have every part, with helical grooves and with elliptical ones, slip under torques that
 differ from step to step. In each mechanism one part at a time is left out. Steps of 1 ms are made by

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 ALLOWED = 0.1  # relative error of a prediction that is said to hold
 STARTS = (-0.05, 0.3, -0.95, 0.95)  # offsets from which the loop is run, of the distance to the stop there
-LEAST_MARGIN = 1.9  # see LimitCycle; measured: benchmarks/results/hunting.csv
+LEAST_MARGIN = 1.9  # see LimitCycle; measured: tests/verification/results/hunting.csv
 ON_STOP = 1e-3  # of the room between the stops
 
 

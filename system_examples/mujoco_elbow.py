@@ -15,7 +15,7 @@ and coefficients.
 
 Then 100 arms with different friction in the cams are stepped side by side: which of them hold?
 
-Costs of a step, and all settings of MuJoCo's friction: benchmarks/mujoco_creep.py (`./build.sh creep`).
+Costs of a step, and all settings of MuJoCo's friction: benchmarks/rates/creep.py (`./build.sh run creep`).
 
 Copy this file for an own robot: the model is MJCF text, the cam is one `CamJoint`.
 """

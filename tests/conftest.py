@@ -1,5 +1,4 @@
 import ctypes
-import os
 import zipfile
 
 import build_fmu
@@ -10,10 +9,6 @@ from driver import ROOT, Driver, layout_code, load, models
 from hypothesis import settings
 from hypothesis.internal.conjecture import providers
 from longest_files import LONGEST_FILES
-
-# What build.sh exports, and this tree: programs that the tests start import the same modules.
-FOLDERS = (".", "fmu_src/tools", "masters", "tests", "tests/support")
-os.environ["PYTHONPATH"] = os.pathsep.join(str(ROOT / folder) for folder in FOLDERS)
 
 # Helpers whose failed assertions pytest shows with values, as it does in test files.
 pytest.register_assert_rewrite("control_cases", "fmi3_scenes", "state_table", "study_cases")

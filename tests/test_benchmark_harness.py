@@ -8,7 +8,9 @@ from pathlib import Path
 import pytest
 
 from benchmarks.harness import circumstances, core
-from benchmarks.harness.processes import Lost, TooLong, in_processes, time_limit
+from benchmarks.harness.processes import TooLong, time_limit
+from benchmarks.rates.measure import MICROSECOND, Group, Limit, Measure
+from verification.processes import Lost, in_processes
 
 
 def square_or_fail(number):
@@ -101,3 +103,32 @@ def test_an_amended_commit_leaves_the_history(repository):
 def test_without_a_repository_the_commit_is_unknown(tmp_path):
     found = circumstances.commit(tmp_path)
     assert found == "unknown" and not circumstances.is_in_history(found, tmp_path)
+
+
+NOTES = {"plain": "a", "quick": "b"}
+GROUP = Group("10", {"plain": [2e-6, 4e-6, 2e-6], "quick": [1e-6, 1e-6, 0.5e-6]}, NOTES)
+
+
+def test_a_row_has_the_median_of_the_times_and_of_the_ratios_of_each_round():
+    """Ratios 0.5, 0.25 and 0.25."""
+    measure = Measure("x", "X", lambda rounds, console: iter([GROUP]), 3, against="plain", note="more")
+    _, quick = measure.rows(GROUP)
+    assert (quick["what"], quick["way"], quick["more"]) == ("10", "quick", "b")
+    assert (float(quick["us"]), float(quick["ratio"])) == (1.0, 0.25)
+    assert (float(quick["lower_quartile"]), float(quick["upper_quartile"])) == (0.25, 0.375)
+    alone = Measure("x", "X", measure.take, 3).row(GROUP, "plain")
+    assert "ratio" not in alone and float(alone["lower_quartile"]) == 2.0
+
+
+@pytest.mark.parametrize(
+    "limit, met",
+    [
+        (Limit("10", "quick", "plain", 0.51), True),
+        (Limit("10", "quick", "plain", 0.49), False),
+        (Limit("10", "plain", MICROSECOND, 2.1), True),
+    ],
+)
+def test_a_limit_compares_medians(limit, met):
+    ((words, found),) = Measure("x", "X", iter, 3, limits=(limit,)).judged(GROUP)
+    assert found is met and ("met" if met else "MISSED") in words
+    assert Measure("x", "X", iter, 3, limits=(limit,)).judged(Group("100", GROUP.times)) == []

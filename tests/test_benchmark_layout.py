@@ -8,7 +8,7 @@ from driver import ROOT
 from benchmarks.harness.repository import BENCHMARKS
 
 MOST_LINES = 500
-OUTSIDE = ("dualcam", "fmu_src", "masters", "system_examples")
+OUTSIDE = ("dualcam", "fmu_src", "system_examples", "case_studies")
 
 
 def imported(path):

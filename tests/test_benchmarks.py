@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 import reference
 
-from benchmarks.endurance import oscillation, stick_slip
 from benchmarks.harness import core
 from benchmarks.harness.fmu import LOADING, RELEASING, STICK
 from benchmarks.work_precision.fmus import CFmu, build_python_fmu, hand_written, python_fmu
 from benchmarks.work_precision.plain_cam import PlainCam, scipy_advance
 from benchmarks.work_precision.scenes import SCENES, columns, of_reference
 from benchmarks.work_precision.sundials import Exchange, sundae_advance
+from verification.endurance import oscillation, stick_slip
 
 STRAIGHT, CURVED, STIFF, HOLD = SCENES
 # Its first 10 ms: DOP853 takes steps of 1e-5 s.
@@ -106,7 +106,7 @@ def test_errors_are_relative_to_the_largest_size():
 
 
 def test_many_steps_drift_by_rounding_alone():
-    """The short form of `./build.sh endurance`: 10^5 steps."""
+    """The short form of `./build.sh run endurance`: 10^5 steps."""
     last = {row["what"]: float(row["value"]) for row in oscillation(100_000)}
     assert abs(last["phase, rad"]) < 1e-11 and abs(last["energy"]) < 1e-12 and last["time, s"] == 0.0
     last = {row["what"]: float(row["value"]) for row in stick_slip(100_000)}

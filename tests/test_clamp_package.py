@@ -6,11 +6,9 @@ from xml.etree import ElementTree
 
 import fmpy
 import numpy as np
-import package
 import pytest
 from driver import ROOT
 from fmpy.ssp.simulation import simulate_ssp
-from install import Failed, Missing
 from lxml import etree
 from ssp_structures import connections_of
 
@@ -20,6 +18,8 @@ from dualcam.systems.grease import CELSIUS
 from system_examples.ssp import clamp as system_module
 from system_examples.ssp import clamp_runs, compilation, parts
 from system_examples.ssp.coupling import couple
+from verification.masters.hosts import package
+from verification.masters.install import Failed, Missing
 
 CYCLES = 40
 SCHEMAS = Path(fmpy.__file__).parent / "ssp/schema"

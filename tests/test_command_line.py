@@ -180,7 +180,7 @@ def test_an_fmu_for_this_machine_alone_is_called_so(folder, capsys, fmi):
         capsys.readouterr()
         say_where_it_runs(Path("part.fmu"))
         said = capsys.readouterr().out
-        assert (f"only for {own}: " in said and "./build.sh all" in said) == (len(folders) == 1)
+        assert (f"only for {own}: " in said and "./build.sh run all" in said) == (len(folders) == 1)
 
 
 def test_a_simulation_is_that_of_another_master(design, capsys):

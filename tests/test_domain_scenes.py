@@ -1,6 +1,7 @@
 """Random scenes of the domain against the event-driven reference, and scenes far outside it."""
 
 import pytest
+
 from verification.domain.domain import SELF_LOCKING, UNIQUE
 from verification.domain.play import judge, judge_far
 

@@ -12,7 +12,7 @@ SYSTEMS = sorted((ROOT / "dualcam/systems").glob("*.py"))
 EXAMPLES = sorted(path for path in (ROOT / "system_examples").glob("*.py") if path.stem != "__init__")
 SSP = sorted((ROOT / "system_examples/ssp").glob("*.py"))
 CASE_STUDIES = sorted((ROOT / "case_studies").rglob("*.py"))
-REPOSITORY = {"benchmarks", "build_fmu", "case_studies", "masters", "system_examples", "tests"}
+REPOSITORY = {"benchmarks", "build_fmu", "case_studies", "system_examples", "tests", "verification"}
 
 
 def name(path):

@@ -92,7 +92,7 @@ def run_thrower(source: str, compiler: list[str], platform: Platform, place: Pat
     subprocess.run([*compiler, *words, *([] if before else ["-ldl"])], check=True)
     library = platform.library(model.identifier)
     if not library.exists():
-        pytest.skip(f"{library.name} is not built for {platform.folder}: run ./build.sh all")
+        pytest.skip(f"{library.name} is not built for {platform.folder}: run ./build.sh run all")
     environment = {**os.environ, "WINEPREFIX": str(place / "wine"), "WINEDEBUG": "-all"}
     finished([*before, program, f"{'Z:' if before else ''}{library}", model.guid], environment)
 

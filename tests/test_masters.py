@@ -24,13 +24,8 @@ from pathlib import Path
 
 import build_fmu
 import fmpy
-import install
-import job
 import numpy as np
-import players
 import pytest
-import run
-import scenes
 from driver import (
     CO_SIMULATION,
     FORWARD,
@@ -42,7 +37,10 @@ from driver import (
     models,
     to_c,
 )
-from install import Failed, Missing
+
+from verification.masters import install, players, run, scenes
+from verification.masters.hosts import job
+from verification.masters.install import Failed, Missing
 
 INVERSE = models["DualCamInverse"]
 
@@ -330,7 +328,7 @@ def test_no_fused_multiply_add(tmp_path, contract):
     assert bool(FUSED.search(text)) == contract
 
 
-# ---- masters/run.py, without the masters ----
+# ---- verification/masters/run.py, without the masters ----
 
 
 @pytest.mark.parametrize("scene", scenes.SCENES, ids=lambda scene: scene.name)

@@ -386,9 +386,3 @@ def test_script_draws_the_pictures(tmp_path):
     for name in PICTURES:
         assert f"]({name})" in PAGE
         assert_same_picture(tmp_path / name, DOCS / name)
-
-
-def test_build_knows_the_pictures():
-    text = (ROOT / "build.sh").read_text(encoding="utf-8")
-    assert "  figures " in text and "docs/figures/mechanism.py" in text
-    assert "`./build.sh figures`" in PAGE

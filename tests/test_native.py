@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 from driver import ROOT, models
+from fuzz_corpus import inputs_of
 
 DRIVERS = ROOT / "build" / "native"
 VALGRIND = ["valgrind", "--quiet", "--leak-check=full", "--show-leak-kinds=all", "--error-exitcode=9"]
@@ -73,6 +74,6 @@ def test_inputs_of_the_fuzzer_break_nothing(sanitized, model, version, tmp_path)
     """Each input stands for calls in any order, a table, or a changed saved state; the program checks what
     native/fuzz/guard.h and laws.h say."""
     name = f"{model.identifier}-fmi{version}"
-    inputs = sorted((ROOT / "tests/fuzz_corpus" / name).iterdir())
+    inputs = inputs_of(name, tmp_path)
     assert len(inputs) >= 50
     run_to_its_end([DRIVERS / f"{name}-replay", *inputs], FUZZ_DIRECTORY=str(tmp_path))

@@ -13,7 +13,7 @@ from driver import ROOT, models
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from benchmarks import own_plant
+from benchmarks.coupling import own_plant
 from dualcam import Fmu
 from dualcam.coupling import (
     Impedance,

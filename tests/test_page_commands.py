@@ -48,7 +48,7 @@ def test_studies_of_the_page(tmp_path):
 
 
 def test_speed_of_studies_is_the_measured_one():
-    """The table of the page is that of `./build.sh rate`."""
+    """The table of the page is that of `./build.sh run rate`."""
     with (DOCS.parent / "benchmarks/results/study_rate.csv").open(newline="", encoding="utf-8") as file:
         measured = {row["way"]: row for row in csv.DictReader(file)}
     shown = re.findall(r"^\| .* \| ([\d.]+) us \| ([\d,]+) \|$", TEXTS[STUDIES], re.MULTILINE)
@@ -215,7 +215,7 @@ def test_pictures_of_the_tutorials_are_those_of_their_commands():
 
 
 def test_growth_of_studies_is_the_measured_one():
-    """The tables of the page are those of `./build.sh studygrowth`."""
+    """The tables of the page are those of `./build.sh run studygrowth`."""
     with (DOCS.parent / "benchmarks/results/study_growth.csv").open(newline="", encoding="utf-8") as file:
         rows = {(row["part"], row["what"]): row for row in csv.DictReader(file)}
     page = TEXTS["docs/use-study-clusters.md"]

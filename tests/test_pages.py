@@ -17,6 +17,7 @@ from svg_files import assert_same_picture
 
 from dualcam.__main__ import main
 from dualcam.design_file.schema import known_keys
+from programs import PROGRAMS
 
 CORE = ROOT / "fmu_src"
 README = TEXTS["README.md"]
@@ -210,6 +211,7 @@ def test_commands_named_exist(page):
     usage = (ROOT / "build.sh").read_text(encoding="utf-8")
     commands = set(re.findall(r"^  (\w+) ", usage, re.MULTILINE))
     assert set(re.findall(r"\./build\.sh (\w+)", TEXTS[page])) <= commands
+    assert set(re.findall(r"\./build\.sh run ([a-z][\w-]*)", TEXTS[page])) <= set(PROGRAMS)
 
 
 # ---- architecture.md ----
@@ -297,9 +299,3 @@ def test_the_pages_about_reliability_are_those_of_the_results():
     script = load(DOCS / "tools" / "reliability_page.py")
     for name, text in script.PAGES.items():
         assert text() == (DOCS / name).read_text(encoding="utf-8")
-
-
-def test_build_draws_the_pictures_and_the_page():
-    text = (ROOT / "build.sh").read_text(encoding="utf-8")
-    for script in ("docs/figures/architecture.py", "docs/tools/variables_page.py"):
-        assert script in text

@@ -84,12 +84,6 @@ def test_pictures_are_all_there_and_drawn(work):
         assert draw(work).axes
 
 
-def test_build_knows_the_page():
-    text = (ROOT / "build.sh").read_text(encoding="utf-8")
-    assert "  paper " in text and "paper) run_program" in text
-    assert "(docs/paper.md)" in (ROOT / "README.md").read_text(encoding="utf-8")
-
-
 # ---- efficiency ----
 
 

@@ -22,6 +22,7 @@ from benchmarks.harness.inputs import InputRun, Inputs
 from benchmarks.harness.markdown import rounded
 from benchmarks.harness.repository import DOCS, RESULTS
 from benchmarks.report.page import page
+from benchmarks.step_cost import evaluation
 from benchmarks.step_cost.measure import prepare
 from benchmarks.step_cost.scenes import general_scenes, straight_scenes
 from benchmarks.worst_step import bound, results
@@ -165,6 +166,15 @@ def test_a_step_is_told_by_its_kinds():
         "input jumps": [False, True, False],
     }
     assert history.story(2) == "releasing to lower stop, 3 mode changes, impact"
+
+
+def test_the_priced_evaluation_is_the_fmus_acceleration():
+    slave = Slave()
+    start = {"initial.omega": 3.0, "initial.theta": 0.5, "tau": evaluation.TORQUE}
+    slave.set(evaluation.parameters() | start)
+    slave.initialise()
+    priced = ctypes.byref(evaluation.mechanism()), ctypes.c_double(0.5), ctypes.c_double(3.0)
+    assert evaluation.load().acceleration(*priced) == pytest.approx(slave.real("alpha"), rel=1e-9)
 
 
 def test_the_bound_finds_all_limits_in_the_sources():

@@ -1,8 +1,8 @@
 """The FMUs' binaries for each platform: size, what they depend on and export, the same bytes from the same
 files, and runs in an emulator.
 
-A plain build holds the binary for this machine alone. After `./build.sh all` these tests see the others too.
-With DUALCAM_REBUILD=all they compile every binary a second time, in another directory.
+A plain build holds the binary for this machine alone. After `./build.sh run all` these tests see the others
+too. With DUALCAM_REBUILD=all they compile every binary a second time, in another directory.
 """
 
 import os
@@ -138,7 +138,7 @@ def shipped(model, platform) -> bytes:
     with zipfile.ZipFile(model.fmu) as archive:
         member = f"binaries/{platform.folder}/{name}"
         if member not in archive.namelist():
-            pytest.skip(f"{model.fmu.name} was not built for {platform.folder}: run ./build.sh all")
+            pytest.skip(f"{model.fmu.name} was not built for {platform.folder}: run ./build.sh run all")
         return archive.read(member)
 
 

@@ -12,12 +12,9 @@ from xml.etree import ElementTree
 
 import fmpy
 import numpy as np
-import package
-import players
 import pytest
 from driver import ROOT
 from fmpy.validation import validate_fmu
-from install import Failed, Missing
 from lxml import etree
 from ssp_structures import connections_of, connectors_of
 
@@ -35,6 +32,9 @@ from system_examples.ssp import __main__ as ssp_run
 from system_examples.ssp import compilation, parts, systems, variables
 from system_examples.ssp.coupling import couple
 from system_examples.ssp.systems import STEP, STEPS_PER_PERIOD, WATCHED
+from verification.masters import players
+from verification.masters.hosts import package
+from verification.masters.install import Failed, Missing
 
 NAMES = list(systems.EXAMPLES)
 SCHEMAS = Path(fmpy.__file__).parent / "ssp/schema"

@@ -34,7 +34,7 @@ def shipped(fmi, platform) -> bytes:
     name = f"binaries/{platform.folder}/DualCamForward{platform.suffix}"
     with zipfile.ZipFile(FACTORY[fmi, "DualCamForward"].fmu) as archive:
         if name not in archive.namelist():
-            pytest.skip(f"the FMU was not built for {platform.folder}: run ./build.sh all")
+            pytest.skip(f"the FMU was not built for {platform.folder}: run ./build.sh run all")
         return archive.read(name)
 
 

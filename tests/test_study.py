@@ -306,7 +306,7 @@ def test_a_failed_run_is_a_row_with_the_fmus_message():
 
 
 def test_memory_does_not_grow_with_the_runs(tmp_path):
-    """Of 40,000 runs with their results on disk; ./build.sh rate looks at more. The first tenth, when
+    """Of 40,000 runs with their results on disk; ./build.sh run rate looks at more. The first tenth, when
     buffers are made, is left out; it goes up and down from chunk to chunk."""
     seen = []
 

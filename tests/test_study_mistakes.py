@@ -225,7 +225,7 @@ def test_arrangements_of_wrong_size(runs, kind, mentions):
 
 @pytest.mark.parametrize("kind", ["random", "latin", "sobol", "indices", "saltelli", "morris", "fast"])
 def test_a_plan_too_large_to_be_drawn_is_refused_before_it_takes_memory(kind):
-    """Found by `./build.sh fuzz`: a plan of 168,741,473 runs took all memory of the machine."""
+    """Found by `./build.sh run fuzz`: a plan of 168,741,473 runs took all memory of the machine."""
     runs = 2**27
     with refused(f"runs = {runs}", "allowed are 100,000,000", "a grid needs no table") as caught:
         Plan(kind, {"a": Vary(0.0, 1.0), "b": Vary(0.0, 1.0)}, runs)

@@ -37,7 +37,7 @@ PLANS["dualcam study --help"] = tomllib.loads(PLAN)
 
 
 def test_page_and_schema_are_fresh():
-    """`./build.sh figures` writes both."""
+    """`./build.sh run figures` writes both."""
     assert SCHEMA.read_text(encoding="utf-8") == SCRIPT["schema_text"]()
     assert json.loads(SCHEMA.read_text(encoding="utf-8")) == json_schema()
     assert TEXTS["docs/study-plan.md"] == SCRIPT["page"]()

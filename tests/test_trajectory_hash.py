@@ -1,6 +1,6 @@
 """The same bits on every platform: one hash of all outputs of both FMUs over all scenes.
 
-Here with what PyPI gives; `./build.sh hash` adds other compilers, processors and systems.
+Here with what PyPI gives; `./build.sh run hash` adds other compilers, processors and systems.
 """
 
 import pytest

@@ -86,7 +86,7 @@ def test_functions_that_call_the_host_can_be_unwound(model, platform):
     """On Windows a function that keeps nothing on the stack has no entry and needs none."""
     library = platform.library(model.identifier)
     if not library.exists():
-        pytest.skip(f"{library.name} is not built for {platform.folder}: run ./build.sh all")
+        pytest.skip(f"{library.name} is not built for {platform.folder}: run ./build.sh run all")
     read = elf_functions if platform.suffix == ".so" else pe_functions
     exported, begins = read(library.read_bytes())
     calling = {f"fmi{platform.version}{name}" for name in NAMES[platform.version]}

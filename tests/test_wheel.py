@@ -28,6 +28,8 @@ from filelock import FileLock
 from packaging.metadata import Metadata
 from packaging.requirements import Requirement
 
+pytestmark = pytest.mark.platforms
+
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 VERSION = PROJECT["version"]
 SMOKE = ROOT / "tests/support/smoke.py"
@@ -179,6 +181,19 @@ def test_the_source_archive_holds_what_a_build_needs(dist):
     needed = {p.relative_to(ROOT).as_posix() for p in files if "__pycache__" not in p.parts}
     assert needed | {"LICENSE", "README.md", "pyproject.toml", "CHANGELOG.md", "CITATION.cff"} <= names
     assert not any(name.startswith(("tests/", "build/", ".")) for name in names)
+
+
+def test_an_editable_installation_finds_the_developers_modules(tmp_path):
+    """The file of paths is listed in RECORD, so that pip removes it. The wheel has none (see above)."""
+    with zipfile.ZipFile(backend("build_editable", tmp_path)) as archive:
+        content = archive.read("dualcam_development.pth")
+        record = archive.read(f"dualcam-{VERSION}.dist-info/RECORD").decode()
+    digest = base64.urlsafe_b64encode(hashlib.sha256(content).digest()).decode().rstrip("=")
+    assert f"dualcam_development.pth,sha256={digest},{len(content)}" in record.split("\n")
+    folders = [Path(line) for line in content.decode().splitlines()]
+    modules = ("programs", "build_fmu", "robot_joint", "driver", "verification/__init__")
+    assert [any((folder / f"{name}.py").is_file() for folder in folders) for name in modules] == [True] * 5
+    assert all(folder.is_relative_to(ROOT) for folder in folders)
 
 
 # ---- installation ----

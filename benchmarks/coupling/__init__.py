@@ -1,6 +1,7 @@
-"""The worth of derivatives at the communication points: a closed loop with an oscillating load.
+"""A plant coupled with the forward FMU: what derivatives gain, and which coupling with a motor is stable.
 
-    ./build.sh coupling
+    ./build.sh run coupling    a closed loop with an oscillating load, below
+    ./build.sh run ownplant    a motor in Python, own_plant.py
 
 A motor turns a flywheel; a torsion shaft (stiffness K, damping D) connects it to cam 2 of DualCamForward.fmu.
 The motor's torque oscillates, the cam rises and falls:

@@ -5,8 +5,7 @@ from __future__ import annotations
 import sys
 
 from benchmarks import coupling
-from benchmarks.coupling.picture import picture
-from benchmarks.coupling.results import TARGET, report, rows_of
+from benchmarks.coupling.results import TARGET, picture, report, rows_of
 from benchmarks.coupling.scenes import SCENES
 from benchmarks.coupling.study import study, worst_ratio
 from benchmarks.harness import core

@@ -5,10 +5,8 @@ from __future__ import annotations
 import sys
 
 from benchmarks import growth
-from benchmarks.growth.instances import Instances
+from benchmarks.growth.measure import Instances, of_tables, start_up
 from benchmarks.growth.results import Found, picture, rows_of, table_of
-from benchmarks.growth.start_up import start_up
-from benchmarks.growth.tables import of_tables
 from benchmarks.harness import results as harness
 from benchmarks.harness.circumstances import circumstances
 from benchmarks.harness.repository import RESULTS

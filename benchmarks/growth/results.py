@@ -8,7 +8,7 @@ from pathlib import Path
 
 from rich.table import Table
 
-from benchmarks.growth.start_up import START_UP
+from benchmarks.growth.measure import START_UP
 from benchmarks.harness import pictures
 from benchmarks.harness import results as harness
 

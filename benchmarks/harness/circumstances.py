@@ -13,8 +13,8 @@ from benchmarks.harness.repository import ROOT
 
 FACTS = ("command", "date", "machine", "versions", "commit")
 CHANGED = " with changes"
-# Benchmarks write into these folders. A change in them does not change the measured program.
-WRITTEN = (":!benchmarks/results", ":!docs")
+# Results are written into these folders. A change in them does not change the measured program.
+WRITTEN = (":!benchmarks/results", ":!tests/verification/results", ":!docs")
 
 
 def processor() -> str:
@@ -65,12 +65,12 @@ def version_of(package: str) -> str:
 
 
 def circumstances(command: str, *packages: str) -> dict[str, str]:
-    """Of this run of `./build.sh command`. The keys are FACTS.
+    """Of this run of `./build.sh run command`. The keys are FACTS.
 
     `packages`: those whose versions matter, besides Python, FMPy and the compiler."""
     versions = [f"Python {platform.python_version()}", f"FMPy {version('fmpy')}", f"zig {version('ziglang')}"]
     return {
-        "command": " ".join([f"./build.sh {command}", *sys.argv[1:]]),
+        "command": " ".join(["./build.sh run", *command.split(), *sys.argv[1:]]),
         "date": time.strftime("%Y-%m-%d"),
         "machine": f"{processor()}, {platform.machine()}, {' '.join(platform.libc_ver())}",
         "versions": ", ".join([*versions, *(version_of(package) for package in packages)]),

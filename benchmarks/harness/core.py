@@ -9,7 +9,7 @@ import re
 from collections.abc import Sequence
 from pathlib import Path
 
-import build_fmu  # fmu_src/tools is on PYTHONPATH, see build.sh
+import build_fmu
 
 from benchmarks.harness.repository import BENCHMARKS, ROOT
 
@@ -72,14 +72,14 @@ def compile_c(flags: Sequence[str], sources: Sequence[Path], product: Path) -> P
 
 
 @functools.cache
-def loop_library(source: str, flags: tuple[str, ...] = OPTIMISED) -> Path:
-    """The timed loops of a C file, a path below benchmarks/, as a shared library. Compiled once per
-    process."""
+def loop_library(source: str | Path, flags: tuple[str, ...] = OPTIMISED) -> Path:
+    """The timed loops of a C file, a path below benchmarks/ or an absolute one, as a shared library.
+    Compiled once per process."""
     path = BENCHMARKS / source
     return compile_c([*flags, "-fPIC", "-shared"], [path], BUILD / "loops" / f"{path.stem}.so")
 
 
-def load_loops(source: str, *timed: str, flags: tuple[str, ...] = OPTIMISED) -> ctypes.CDLL:
+def load_loops(source: str | Path, *timed: str, flags: tuple[str, ...] = OPTIMISED) -> ctypes.CDLL:
     """The same, loaded. `timed`: the functions that return seconds."""
     library = ctypes.CDLL(str(loop_library(source, flags)))
     for name in timed:

@@ -14,7 +14,7 @@ def read(folder: Path, name: str) -> list[Row]:
     """The rows of a CSV file. Lines "# fact: value" at its end become columns of every row."""
     path = folder / f"{name}.csv"
     if not path.exists():
-        raise SystemExit(f"{path} is missing: run ./build.sh bench")
+        raise SystemExit(f"{path} is missing: run ./build.sh run bench")
     with path.open(newline="") as file:
         rows = list(csv.DictReader(file))
     facts = {}

@@ -3,12 +3,11 @@ functions."""
 
 from __future__ import annotations
 
-# tests and tests/support are on PYTHONPATH, see build.sh
-import cut_dependence  # type: ignore[import-not-found]
-import driver  # type: ignore[import-not-found]
-import general_scenes  # type: ignore[import-not-found]
-import random_scenes  # type: ignore[import-not-found]
-import reference  # type: ignore[import-not-found]
+import cut_dependence
+import driver
+import general_scenes
+import random_scenes
+import reference
 from reference import Interval
 
 __all__ = ["Interval", "cut_dependence", "driver", "general_scenes", "random_scenes", "reference"]

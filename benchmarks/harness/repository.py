@@ -7,4 +7,5 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 BENCHMARKS = ROOT / "benchmarks"
 RESULTS = BENCHMARKS / "results"
+VERIFICATION = ROOT / "tests" / "verification"  # what judges the core and the tests
 DOCS = ROOT / "docs"

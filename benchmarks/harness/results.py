@@ -18,15 +18,19 @@ Rows = Sequence[Mapping[str, str]]
 
 
 def options(
-    doc: str | None, name: str, rounds: int | None = None, picture: Path | None = None
+    doc: str | None,
+    name: str,
+    rounds: int | None = None,
+    picture: Path | None = None,
+    folder: Path = RESULTS,
 ) -> argparse.ArgumentParser:
     """--output, --rounds if there is a default for it, --picture if there is a place for one.
 
-    `doc`: of the benchmark's module, whose first line describes it. `name`: of its CSV file."""
+    `doc`: of the benchmark's module, whose first line describes it. `name`: of its CSV file in `folder`."""
     parser = argparse.ArgumentParser(description=(doc or "").split("\n")[0])
     if rounds is not None:
         parser.add_argument("--rounds", type=int, default=rounds, help=f"rounds of blocks ({rounds})")
-    parser.add_argument("--output", type=Path, default=RESULTS / f"{name}.csv", help="the CSV file")
+    parser.add_argument("--output", type=Path, default=folder / f"{name}.csv", help="the CSV file")
     if picture is not None:
         parser.add_argument("--picture", type=Path, default=picture)
     return parser

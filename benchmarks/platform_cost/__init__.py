@@ -1,6 +1,6 @@
 """The cost of a step on other platforms, as ratios to the Linux x86-64 binary in the same run.
 
-    ./build.sh platforms
+    ./build.sh run platforms
 
 One program in C (steps.c), compiled for each platform, loads the FMU's binary of that platform and makes the
 same steps. Windows: wine runs the machine code of the x86-64 binary directly, so times are compared.

@@ -13,9 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import build_fmu
-
-# tests/support is on PYTHONPATH, see build.sh
-from trajectory_hash import (  # type: ignore[import-not-found]
+from trajectory_hash import (
     ARM,
     NATIVE,
     TARGETS,
@@ -106,7 +104,7 @@ class Runner:
         self.platform, self.root = platform, "Z:" if platform == WINDOWS else ""
         self.binary = binary_of(platform, core.FORWARD)
         if not self.binary.exists():
-            raise Missing("the binary is not built: ./build.sh all")
+            raise Missing("the binary is not built: ./build.sh run all")
         self.words = [*emulated, str(program(platform))]
         self.reached: dict[str, str] = {}
 

@@ -77,7 +77,7 @@ def friction_cost(folder: Path) -> str:
         [
             "## Friction that depends on speed or load",
             prose(
-                f"""`./build.sh friction` counts the instructions of a general step of 1 ms with static
+                f"""`./build.sh run friction` counts the instructions of a general step of 1 ms with static
                 excess, Stribeck curve and lubricated branch, or with a coefficient that depends on the load,
                 against the same step with Coulomb's law. The mechanisms are those of the section
                 [One step](#one-step). Thirty steps lead through the fall of the Stribeck curve and beyond.

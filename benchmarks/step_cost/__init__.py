@@ -1,6 +1,6 @@
 """The cost of one communication step, against one exp and one sincos, and against an FMU that does nothing.
 
-    ./build.sh cost
+    ./build.sh run cost
 
 One step is fmi2SetReal(tau), fmi2DoStep(1 ms), fmi2GetReal(theta, omega). All quantities are measured in one
 process and in turns: every round runs a block of each quantity, in an order that is shuffled anew, so that a
@@ -19,6 +19,6 @@ and no ratio uses it. The target of a scene is for its step less a step of the F
 Instructions per step are counted by callgrind over the same blocks (harness/instructions.py). The limit of a
 scene is the time of the work that cannot be left out: the three calls of an FMU that does nothing, and the
 exponentials or the evaluations of the acceleration that its step needs at least (scenes.Least). Each part
-counts with the price that it has by itself. The price of an evaluation is that in benchmarks/integrators,
+counts with the price that it has by itself. The price of an evaluation is that of acceleration.c,
 whose code has nothing in common with the FMU's.
 """

@@ -11,10 +11,9 @@ from rich.console import Console
 from benchmarks.harness import core, steps
 from benchmarks.harness.fmu import Slave
 from benchmarks.harness.steps import SeparateSteps, StepBlock
-from benchmarks.harness.timing import Block, in_turns, unit_block
-from benchmarks.integrators.methods import Candidates
-from benchmarks.integrators.scenes import scenes as integrator_scenes
+from benchmarks.harness.timing import in_turns, unit_block
 from benchmarks.mechanisms import STEP, STEPS, jitter
+from benchmarks.step_cost.evaluation import evaluation
 from benchmarks.step_cost.scenes import Scene
 
 
@@ -53,14 +52,6 @@ def prepare(scene: Scene, loops: ctypes.CDLL) -> tuple[StepBlock | SeparateSteps
     if scene.mode is not None and (events != 0 or modes != {scene.mode}):
         raise SystemExit(f"{scene.name}: modes {modes} and {events} events, not mode {scene.mode} alone")
     return block, events / len(scene.steps)
-
-
-def evaluation() -> Block:
-    """Seconds of the acceleration in elliptical grooves with all forces, in integrators.c."""
-    candidates = Candidates()
-    scene = next(scene for scene in integrator_scenes() if scene.name == "2 swing, full")
-    candidates.prepare(scene)
-    return lambda: candidates.evaluation(scene.struct, with_partials=False)
 
 
 @dataclass

@@ -1,6 +1,6 @@
 """Stick-slip behind a soft shaft: limit cycles of the FMU against closed solution and phase plane.
 
-    ./build.sh stickslip
+    ./build.sh run stickslip
 
 Amplitude and period over the speed of the drive, the speed at which the cycle ends, and the rate at which
 oscillations about steady slip grow; for Coulomb friction with a static excess and for a Stribeck law."""

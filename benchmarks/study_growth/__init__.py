@@ -1,8 +1,8 @@
 """Growth of a parameter study with its workers, and where the growth ends.
 
-    ./build.sh studygrowth
+    ./build.sh run studygrowth
 
-The study is that of `./build.sh rate`, with Parquet files in one folder that all workers see.
+The study is that of `./build.sh run rate`, with Parquet files in one folder that all workers see.
 
 1. Throughput of one and of two workers, in turns: processes of this machine, and workers of a Dask cluster on
    this machine. Reported as the median over the rounds, with quartiles. Where other programs run, too, these

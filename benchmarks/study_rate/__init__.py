@@ -1,6 +1,6 @@
 """Runs per second and core of a parameter study: load-and-release of 0.4 s with nine parameters that vary.
 
-    ./build.sh rate
+    ./build.sh run rate
 
 One core, one process. Timed in turns by the time of the processor, reported as the median over the rounds
 with quartiles, all by dualcam.study unless the name says otherwise:

@@ -1,6 +1,6 @@
 """Run time against error: the FMU beside other ways to simulate such a mechanism.
 
-    ./build.sh precision
+    ./build.sh run precision
 
 Four scenes under torque that is constant in pieces of 0.1 or 1 s. The error of a result is the largest of its
 errors in angle, speed and dissipated energy over the ends of all pieces. Each error is relative to the

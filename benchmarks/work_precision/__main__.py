@@ -8,11 +8,9 @@ from benchmarks import work_precision
 from benchmarks.harness import results as harness
 from benchmarks.harness.circumstances import circumstances
 from benchmarks.harness.repository import RESULTS
-from benchmarks.work_precision.evaluations import evaluations
-from benchmarks.work_precision.picture import picture
-from benchmarks.work_precision.results import TARGET_LEVEL, report, verdicts, write
+from benchmarks.work_precision.results import TARGET_LEVEL, picture, report, verdicts, write
 from benchmarks.work_precision.scenes import SCENES
-from benchmarks.work_precision.study import study
+from benchmarks.work_precision.study import evaluations, study
 
 LIMIT = 1.0  # s for one run
 

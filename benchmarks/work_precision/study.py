@@ -1,7 +1,8 @@
-"""All settings of a scene: their errors, their times in turns, and the check of the reference."""
+"""All settings of a scene: errors, times in turns, check of the reference, evaluations in SciPy."""
 
 from __future__ import annotations
 
+import itertools
 import math
 import statistics
 from collections.abc import Callable
@@ -14,8 +15,8 @@ from benchmarks.harness.oracles import reference
 from benchmarks.harness.processes import TooLong, time_limit
 from benchmarks.harness.timing import Ratio, in_turns
 from benchmarks.work_precision.fmus import CFmu
-from benchmarks.work_precision.lines import OURS, Run, lines_of
-from benchmarks.work_precision.plain_cam import PlainCam, scipy_advance
+from benchmarks.work_precision.lines import OURS, TOLERANCES, Run, event_line, lines_of
+from benchmarks.work_precision.plain_cam import Advance, Array, PlainCam, Rates, scipy_advance
 from benchmarks.work_precision.scenes import Scene, of_reference
 
 
@@ -113,3 +114,43 @@ def study(scene: Scene, rounds: int, limit: float, console: Console) -> Study:
     for s in settings:
         s.times = times.get(f"{s.line}, {s.name}", [])
     return Study(scene, verify(scene), settings)
+
+
+class Counted:
+    """An `advance` that counts the evaluations of the right-hand side."""
+
+    def __init__(self, advance: Advance) -> None:
+        self.inner, self.calls = advance, 0
+
+    def advance(
+        self, rates: Rates, sigma: int, left: float, theta: float, omega: float
+    ) -> tuple[float, float, float]:
+        def counting(t: float, y: Array) -> tuple[float, float]:
+            self.calls += 1
+            return rates(t, y)
+
+        return self.inner(counting, sigma, left, theta, omega)
+
+
+def evaluations(scene: Scene, level: float) -> dict[str, str]:
+    """Number and time of the evaluations of the right-hand side by SciPy's fastest setting with at most that
+    error."""
+    best: dict[str, str] = {}
+    least: float = math.inf
+    for method, rtol in itertools.product(("DOP853", "LSODA"), TOLERANCES):
+        run = event_line(scene, method)[f"rtol {rtol:g}"]()
+        seconds, found = run()
+        if seconds >= least or max(scene.errors(found)) > level:
+            continue
+        least = seconds
+        cam = Counted(scipy_advance(method, rtol))
+        PlainCam(scene.parameters).run(scene.pieces, cam.advance)
+        best = {
+            "scene": scene.name,
+            "line": f"SciPy {method}",
+            "setting": f"rtol {rtol:g}",
+            "us_per_simulated_s": f"{1e6 * seconds / scene.duration:.4g}",
+            "evaluations_per_simulated_s": f"{cam.calls / scene.duration:.4g}",
+            "us_per_evaluation": f"{1e6 * seconds / cam.calls:.3g}",
+        }
+    return best

@@ -1,6 +1,6 @@
 """The worst of a million steps, for hardware in the loop: their time, instructions and events.
 
-    ./build.sh worst
+    ./build.sh run worst
 
 A run has 10^6 steps of 1 ms. It goes through stick, breakaway both ways, reversals, flank changes, both stops
 with bounces, a follower force that turns the load around, torque and force that jump, ramps and swings, and a

@@ -1,6 +1,6 @@
 """The paper on the dual cylindrical cam, reproduced and corrected: writes docs/paper.md and its pictures.
 
-./build.sh paper
+./build.sh run paper
 
 published       published and assumed values
 cams            the pairs of cams with the arcs assumed, and their statics

@@ -72,7 +72,7 @@ def opening() -> str:
                 mechanism comes from. This page takes its equations, figures and claims one by one:
                 reproduced, corrected or not reproducible. Numbers in brackets are the paper's equations.
                 What is judged is our excerpt of it, not the whole text; (1), (2), (5) and (18) are not in
-                the excerpt and not judged. `./build.sh paper` writes this page (case_studies/paper);
+                the excerpt and not judged. `./build.sh run paper` writes this page (case_studies/paper);
                 tests/test_paper.py checks it.
                 """
             ),

@@ -1,8 +1,8 @@
 """Draws the picture of docs/architecture.md: the rooms of fmu_src and which room includes which.
 
-Run by `./build.sh figures`. The arrows come from the `#include` lines of the C files. An arrow that follows
-from others is left out: where A includes B and B includes C, no arrow leads from A to C. The same sources and
-the same version of matplotlib give the same file."""
+Run by `./build.sh run figures`. The arrows come from the `#include` lines of the C files. An arrow that
+follows from others is left out: where A includes B and B includes C, no arrow leads from A to C. The same
+sources and the same version of matplotlib give the same file."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Draws docs/design_contact.png, design_roller.png, design_wear.png and design_spring.png for
 docs/design-quantities.md: the quantities of the design on that page.
 
-Run by `./build.sh figures`."""
+Run by `./build.sh run figures`."""
 
 from __future__ import annotations
 

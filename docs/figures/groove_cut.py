@@ -1,7 +1,7 @@
 """Draws docs/cut_grooves.png for docs/cut-grooves.md: both solids of the prosthetic knee, the unwrapped
 grooves, and the error of the plain parallel curve.
 
-Run by `./build.sh cad`, since the solids need the CAD kernel. The solids are read from STEP files."""
+Run by `./build.sh run cad`, since the solids need the CAD kernel. The solids are read from STEP files."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """Draws the three pictures of docs/mechanism.md: the mechanism, the forces at the pin, the stick band.
 
-Run by `./build.sh figures`. The same sources and the same version of matplotlib give the same files. The
+Run by `./build.sh run figures`. The same sources and the same version of matplotlib give the same files. The
 pictures are drawn to scale: dualcam.design computes their geometry and their torques. The symbols are those
 of the page."""
 

@@ -3,7 +3,7 @@
 python docs/tools/count_peer_tests.py NAME=CLONE ...
 
 NAME: a key of PEERS. CLONE: the folder of a clone of its repository, in which the commit to be counted is
-checked out or is HEAD. Writes benchmarks/results/peer_tests.csv.
+checked out or is HEAD. Writes tests/verification/results/peer_tests.csv.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
-RESULT = Path(__file__).resolve().parents[2] / "benchmarks/results/peer_tests.csv"
+RESULT = Path(__file__).resolve().parents[2] / "tests/verification/results/peer_tests.csv"
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,7 @@
 """Writes the table of keys in docs/design-file.md, and dualcam/design_file/design.schema.json for editors.
 
-Run by `./build.sh figures`. Both come from the schema of design files, which comes from the variables of the
-FMUs. tests/test_design_file.py keeps both fresh."""
+Run by `./build.sh run figures`. Both come from the schema of design files, which comes from the variables of
+the FMUs. tests/test_design_file.py keeps both fresh."""
 
 from __future__ import annotations
 

@@ -5,16 +5,18 @@ python docs/tools/reliability_page.py
 
 from __future__ import annotations
 
+import base64
 import csv
 import re
 import tomllib
+import zipfile
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-RESULTS = ROOT / "benchmarks/results"
+RESULTS = ROOT / "tests/verification/results"
 CORPUS = ROOT / "tests/fuzz_corpus"
 
 Rows = list[dict[str, str]]
@@ -30,7 +32,7 @@ commit; `git log COMMIT.. -- fmu_src` lists what has changed in the C code since
 
 
 def read(name: str) -> Rows:
-    """A CSV file of benchmarks/results; nothing where there is none yet."""
+    """A CSV file of results; nothing where there is none yet."""
     path = RESULTS / f"{name}.csv"
     if not path.exists():
         return []
@@ -100,7 +102,10 @@ def long_fuzzing() -> str:
     if not runs or runs[-1]["findings"] != "0":
         return "Long fuzzing with other scenes still finds wrong ones."
     clean = sum(run["findings"] == "0" for run in runs)
-    return f"Of {len(runs)} long runs of fuzzing with other scenes, {clean} found nothing, among them the last one."
+    return (
+        f"Of {len(runs)} long runs of fuzzing with other scenes, {clean} found nothing, "
+        "among them the last one."
+    )
 
 
 def long_runs() -> str:
@@ -111,7 +116,8 @@ def long_runs() -> str:
     keys = ("seed", "commit", "minutes", "examples", "findings")
     rows = [[f"{int(run[key]):,}" if key == "examples" else run[key] for key in keys] for run in runs]
     return f"""\
-Recorded runs of `./build.sh fuzz` (`./build.sh fuzz record --seed N`). A finding is a test that failed.
+Recorded runs of `./build.sh run fuzz`, by `./build.sh run fuzz-record --seed N`. A finding is a test that
+failed.
 
 {table(keys, rows)}
 {measured(runs)}"""
@@ -162,13 +168,22 @@ def scenes() -> str:
 
 {runs:,} runs over many decades of every parameter, {judged:,} of them compared with an independent solution
 or with a second run whose steps are cut differently: {wrong} came out wrong, and {refused:,} were refused.
-[stress.md](stress.md) has the table, and lists wrong runs and messages. Command: `./build.sh stress`.
+[stress.md](stress.md) has the table, and lists wrong runs and messages. Command: `./build.sh run stress`.
 """
 
 
+def inputs_of_fuzzing() -> tuple[int, int]:
+    """Number of all inputs, and their bytes."""
+    findings = tomllib.loads((CORPUS / "findings.toml").read_text(encoding="utf-8"))
+    sizes = [len(base64.b64decode(text)) for kept in findings.values() for text in kept.values()]
+    for path in CORPUS.glob("*.zip"):
+        with zipfile.ZipFile(path) as archive:
+            sizes += [member.file_size for member in archive.infolist()]
+    return len(sizes), sum(sizes)
+
+
 def fuzzing() -> str:
-    files = [path for path in CORPUS.rglob("*") if path.is_file()]
-    size = sum(path.stat().st_size for path in files)
+    count, size = inputs_of_fuzzing()
     return f"""\
 ## Fuzzing
 
@@ -176,8 +191,8 @@ libFuzzer drives both interfaces of both FMI versions with random calls, values 
 of tables and of saved states. Sanitizers watch addresses and undefined behaviour. After each call the
 target checks: no NaN under OK, each step ends at its time, no energy from nothing, a refused call changes
 nothing, a restored state repeats its step bit for bit, a reset instance equals a new one. The corpus has
-{len(files)} inputs, {size // 1000} kB; the suite plays them all. Commands: `./build.sh fuzz calls`, and
-`./build.sh fuzz` for mechanisms, extreme values, design files and plans.
+{count} inputs, {size // 1000} kB; the suite plays them all. Commands: `./build.sh run fuzz-calls`, and
+`./build.sh run fuzz` for mechanisms, extreme values, design files and plans.
 
 {long_runs()}"""
 
@@ -204,7 +219,7 @@ def endurance() -> str:
 Lives are instances that are made, started, reset and freed. Errors of time, phase and energy are against the
 closed form. They are rounding, and grow with the number of steps. The angle of stick-slip is compared with
 that after the first period. Energies are relative: to that of the oscillation, and to the work done.
-Command: `./build.sh endurance`.
+Command: `./build.sh run endurance`.
 
 {table(["scene", "steps or lives", "what", "value"], lines)}
 {measured(rows)}"""
@@ -220,7 +235,7 @@ def hashes() -> str:
 
 One hash of every bit of all outputs, of both FMUs, over {rows[0]["scenes"]} scenes. The core has its own exp,
 sin and so on ([elementary-functions.md](elementary-functions.md)), and no compiler may fuse operations.
-Command: `./build.sh hash`.
+Command: `./build.sh run hash`.
 
 {table(["platform", "compiler", "hash", "scenes that differ"], lines)}
 {measured(rows)}"""
@@ -245,7 +260,8 @@ that change a result are noticed.
 {measured(mutants)}"""
     if not text:
         return ""
-    return "## Coverage and mutants\n\nCommands: `./build.sh coverage`, `./build.sh mutants`.\n\n" + text
+    commands = "Commands: `./build.sh run coverage`, `./build.sh run mutants`."
+    return f"## Coverage and mutants\n\n{commands}\n\n{text}"
 
 
 STATIC = """\
@@ -269,7 +285,7 @@ def figures() -> dict[str, int | str]:
         f"{row['project']} {row['what']}": int(row["number"]) for row in read("peer_tests")
     }
     whole = [row for row in read("coverage") if row["part"] == "all"]
-    found["coverage"] = f"{whole[0]['branches_percent']} %" if whole else "`./build.sh coverage` counts"
+    found["coverage"] = f"{whole[0]['branches_percent']} %" if whole else "`./build.sh run coverage` counts"
     thousands = own_tests() // 1000 * 1000  # so that a new test does not change the page
     return {**found, "own": thousands}
 
@@ -331,7 +347,7 @@ exp" takes arguments up to 0.1.
 Steps call all of these functions but tan, which the start of a run calls. No step calls sin or cos alone.
 In {len(steps)} scenes with steps of 1 ms, at most {share:.1f} % of the instructions are in these functions,
 those "of two" apart. sin and cos share one vector register.
-Command: `./build.sh elementary`.
+Command: `./build.sh run elementary`.
 
 {table(["function", "error, ulp", "instructions", "ns", "C library, not fused"], lines)}
 {measured(rows)}"""

@@ -1,6 +1,6 @@
 """Writes the tables of docs/study-plan.md, and dualcam/study/plan.schema.json for editors.
 
-Run by `./build.sh figures`. All come from the schema of plans. tests/test_study_plan_page.py keeps them
+Run by `./build.sh run figures`. All come from the schema of plans. tests/test_study_plan_page.py keeps them
 fresh."""
 
 from __future__ import annotations

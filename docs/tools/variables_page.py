@@ -1,8 +1,8 @@
 """Writes docs/variables.md: all variables of both FMUs, from modelDescription/fmi3/*.xml.
 
-Run by `./build.sh figures`. The XML is made from fmu_src/variables.def, and tests keep the XML fresh. The FMI
-3.0 files are read because they also list the time and the event indicators. FMI 2.0 has the other variables
-under the same names and value references (tests/test_pages.py)."""
+Run by `./build.sh run figures`. The XML is made from fmu_src/variables.def, and tests keep the XML fresh. The
+FMI 3.0 files are read because they also list the time and the event indicators. FMI 2.0 has the other
+variables under the same names and value references (tests/test_pages.py)."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ Read this page to look up a variable. Page [interface.md](interface.md) explains
 
 END = """## Where this page comes from
 
-The script `docs/tools/variables_page.py` (`./build.sh figures`) writes the page from
+The script `docs/tools/variables_page.py` (`./build.sh run figures`) writes the page from
 `modelDescription/fmi3/*.xml`, which come from `fmu_src/variables.def`. Test `tests/test_pages.py` fails where
 the page is old.
 """

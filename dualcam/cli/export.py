@@ -39,8 +39,8 @@ def command(
 
     The FMU holds binaries, the groove tables, the scenario as a file of inputs, a documentation page and the
     C sources. The binaries are for Linux, Windows and macOS if dualcam comes from the wheel or after
-    `./build.sh all`; after `./build.sh` they are for this machine's system alone, and the command says so. No
-    compiler is needed. Start values edited in a
+    `./build.sh run all`; after `./build.sh` they are for this machine's system alone, and the command says
+    so. No compiler is needed. Start values edited in a
     modelDescription.xml do nothing by themselves: the binaries hold the start values. Change the design file
     and export again.
     """

@@ -43,7 +43,7 @@ def say_where_it_runs(fmu: Path) -> None:
     if is_for_this_platform_alone(fmu):
         say(
             f"only for {', '.join(folders_of(fmu))}: the clone was built for this machine. For Linux, "
-            "Windows and macOS run ./build.sh all in the clone and repeat the command, or use the wheel"
+            "Windows and macOS run ./build.sh run all in the clone and repeat the command, or use the wheel"
         )
 
 

@@ -82,7 +82,7 @@ static bool is_rounding(const RightHandSide *start, double defect) {
  * defect; its angle follows the speed at the nodes, so the defect of the speed counts too. Where a deviation of the speed
  * grows instead, as in a motion that leaves an unstable balance, nothing damps the defect, and the defect counts relative
  * to the change of the speed: the error grows like this change. At the end of the step the method has order 2s - 1,
- * inside order s + 1. error_at_end() takes half of that gain: then the errors of benchmarks/integrators stay below
+ * inside order s + 1. error_at_end() takes half of that gain: then the errors of the study of integrators stay below
  * RADAU_ERROR_SAFETY times the tolerance; with the whole gain they do not. */
 static double error_of_defect(const RadauSystem *s, const RadauStep *step, double defect) {
     const Radau *r = s->method;

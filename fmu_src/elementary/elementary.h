@@ -4,9 +4,9 @@
  * The C standard leaves the last digits of exp() and sin() to each C library. These functions use additions,
  * multiplications, divisions, square roots and integers alone, which IEEE 754 rounds in one way only. So every platform
  * computes the same bits, and with them the same trajectory. No file of the core calls exp(), sin() or fmax() of the C
- * library (tests/test_elementary.py); sqrt(), fabs(), floor(), ceil() and copysign() are exact everywhere.
+ * library (test_elementary.py); sqrt(), fabs(), floor(), ceil() and copysign() are exact everywhere.
  *
- * Errors are below 1 unit in the last place: tests/test_elementary.py and benchmarks.elementary compare with 60 digits.
+ * Errors are below 1 unit in the last place: tests/verification/elementary and its test compare with 60 digits.
  * Coefficients and tables are written by tools/make_elementary.py. No flag of the floating-point unit is promised.
  * Steps call all functions but tan, which the start of a run calls. */
 #ifndef DUALCAM_ELEMENTARY_H

@@ -205,7 +205,7 @@ static const double RADAU_TANGENT_STIFFNESS = 0.3;
 /* Share of a piece's width by which a node may lie outside the piece: its polynomials still have 11 digits there. */
 static const double RADAU_BEYOND_PIECE = 0.05;
 
-/* Factor on the error estimate: keeps errors of benchmarks/integrators below ten times the tolerance. Stiffness per
+/* Factor on the error estimate: keeps errors of the study of integrators below ten times the tolerance. Stiffness per
  * stage at which a step begins to lose the digits of its order 2s - 1. */
 static const double RADAU_ERROR_SAFETY = 10.0, RADAU_STIFF_PER_STAGE = 1.7;
 

@@ -20,10 +20,10 @@ X86_MAC, ARM_MAC = "x86_64-macos.11.0", "aarch64-macos.11.0"
 X86_WINDOWS, X86_32_WINDOWS = "x86_64-windows-gnu", "x86-windows-gnu"
 
 WARNINGS = ("-Wall", "-Wextra", "-Wconversion", "-Wshadow", "-Wpedantic", "-Werror")
-# -ffp-contract=off forbids fused multiply-add: all bits are the same on every processor (./build.sh hash). On
-# 32-bit x86 the baseline of the compiler in zig has SSE2; elementary/elementary.h refuses to compile without.
-# -fno-math-errno lets sqrt become one instruction; no code reads errno after a mathematical function.
-# All other rules of IEEE 754 hold: -ffast-math would break compensated sums and the tests for NaN.
+# -ffp-contract=off forbids fused multiply-add: all bits are the same on every processor (./build.sh run
+# hash). On 32-bit x86 the baseline of the compiler in zig has SSE2; elementary/elementary.h refuses to
+# compile without. -fno-math-errno lets sqrt become one instruction; no code reads errno after a mathematical
+# function. All other rules of IEEE 754 hold: -ffast-math would break compensated sums and the tests for NaN.
 ARITHMETIC = ("-std=c17", "-ffp-contract=off", "-fno-math-errno")
 # The compiler in zig keeps a frame pointer in each function, unless told otherwise. Without frame pointers a
 # step takes 1 to 8 % fewer instructions. Debuggers and profilers unwind by tables: .eh_frame on Linux and

@@ -4,20 +4,24 @@
 
 A wheel holds the FMUs of FMI 2.0 and FMI 3.0 for all platforms and the files for a page in a browser, so that
 an installation needs no compiler. The build of the wheel downloads three.js, once.
-An editable installation (`pip install -e .`) compiles nothing; its FMUs are those in build/.
+An editable installation (`pip install -e .`) compiles nothing; its FMUs are those in build/. It also installs
+the developers' modules: Python finds the folders that pyproject.toml lists as `pythonpath` of the tests.
 """
 
 from __future__ import annotations
 
+import base64
+import hashlib
 import os
 import shutil
 import tomllib
+import zipfile
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from setuptools import build_meta
 from setuptools.build_meta import (
-    build_editable,
     build_sdist,
     get_requires_for_build_editable,
     get_requires_for_build_sdist,
@@ -50,12 +54,44 @@ FIRST_DATE = "315532800"  # s since 1970: 1 January 1980, the earliest date in a
 Settings = Mapping[str, str | list[str] | None] | None
 
 
+def pyproject() -> dict[str, Any]:
+    return tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+
+
+def module_folders() -> list[str]:
+    """The folders of the developers' modules, relative to the repository."""
+    return pyproject()["tool"]["pytest"]["ini_options"]["pythonpath"]
+
+
+def build_editable(
+    wheel_directory: str, config_settings: Settings = None, metadata_directory: str | None = None
+) -> str:
+    """As setuptools builds it, with a file that names the folders of the developers' modules.
+
+    Returns the name of the wheel."""
+    name = build_meta.build_editable(wheel_directory, config_settings, metadata_directory)
+    folders = "".join(f"{(ROOT / folder).resolve()}\n" for folder in module_folders())
+    add_to_wheel(Path(wheel_directory) / name, "dualcam_development.pth", folders.encode())
+    return name
+
+
+def add_to_wheel(wheel: Path, name: str, content: bytes) -> None:
+    """Adds a file to a wheel and to the wheel's list of files."""
+    with zipfile.ZipFile(wheel) as archive:
+        members = {member: archive.read(member) for member in archive.namelist()}
+    digest = base64.urlsafe_b64encode(hashlib.sha256(content).digest()).decode().rstrip("=")
+    (record,) = (member for member in members if member.endswith(".dist-info/RECORD"))
+    members[record] += f"{name},sha256={digest},{len(content)}\n".encode()
+    with zipfile.ZipFile(wheel, "w", zipfile.ZIP_DEFLATED) as archive:
+        for member, data in (members | {name: content}).items():
+            archive.writestr(member, data)
+
+
 def get_requires_for_build_wheel(config_settings: Settings = None) -> list[str]:
     """The packages that a build needs besides setuptools: those of the extra `build` in pyproject.toml."""
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     return [
         *build_meta.get_requires_for_build_wheel(config_settings),
-        *project["optional-dependencies"]["build"],
+        *pyproject()["project"]["optional-dependencies"]["build"],
     ]
 
 

@@ -1,6 +1,6 @@
 """How does a closed loop with the cam become an SSP package that other masters run?
 
-./build.sh ssp
+./build.sh run ssp
 
 systems       three examples as systems of FMUs: the cam, a controller, a motor, a load
 components    their components with start values

@@ -1,7 +1,7 @@
 """Runs the examples as SSP packages in ecos and libcosim, and compares with the Python versions.
 
-    ./build.sh ssp                all, written to docs/ssp.md
-    ./build.sh ssp --only ecos    one master; nothing is written
+    ./build.sh run ssp                all, written to docs/ssp.md
+    ./build.sh run ssp --only ecos    one master; nothing is written
 
 The packages go to build/ssp. Each master must agree to rounding with the same FMUs coupled by FMPy in the
 same order. These must agree with the Python versions as closely as computing ahead makes up for the two steps
@@ -20,10 +20,7 @@ from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
 
-import install  # the folder masters is on PYTHONPATH, see build.sh
 import numpy as np
-import players
-from install import Failed, Missing, say
 
 from dualcam.ssp import START
 from system_examples.ssp import clamp_runs, compilation, hosts, parts
@@ -31,6 +28,8 @@ from system_examples.ssp.coupling import Columns, couple
 from system_examples.ssp.outcome import Outcome, largest_difference, table
 from system_examples.ssp.package import ExampleSystem
 from system_examples.ssp.systems import EXAMPLES, STEPS_PER_PERIOD, WATCHED, Example, Run
+from verification.masters import install, players
+from verification.masters.install import Failed, Missing, say
 
 # libcosim counts whole nanoseconds, FMPy and ecos add steps: their times differ by 1e-12 s in the end. The
 # knee's cam is integrated to 1e-9. In rad, rad/s, N.m and J.
@@ -42,7 +41,7 @@ Runner = Callable[[ExampleSystem, int, Path], Columns]
 
 
 def arguments(system: ExampleSystem, periods: int, file: Path) -> list[str | Path]:
-    """The arguments of a program that runs the package in a master (masters/hosts/package.py)."""
+    """The arguments of a program in tests/verification/masters/hosts that runs the package in a master."""
     return [system.path, START, repr(system.step), str(periods), str(STEPS_PER_PERIOD), file, *WATCHED]
 
 

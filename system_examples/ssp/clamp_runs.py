@@ -7,9 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-import install
 import numpy as np
-from install import Failed, Missing, say
 
 from dualcam import Fmu
 from dualcam.ssp import START
@@ -20,6 +18,8 @@ from system_examples.ssp.coupling import Columns, couple
 from system_examples.ssp.hosts import Host, ecos, libcosim
 from system_examples.ssp.outcome import Outcome, largest_difference
 from system_examples.ssp.package import ExampleSystem
+from verification.masters import install
+from verification.masters.install import Failed, Missing, say
 
 CYCLES = round(3600.0 / clamp.MOTION.period)
 CONNECTIONS, SCRIPT = "connections", "script"

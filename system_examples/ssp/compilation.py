@@ -7,7 +7,7 @@ import xml.etree.ElementTree as ET
 from dataclasses import dataclass
 from pathlib import Path
 
-import build_fmu  # the folder fmu_src/tools is on PYTHONPATH, see build.sh
+import build_fmu
 
 from system_examples.ssp.parts import FOLDER, PARTS, Part
 from system_examples.ssp.variables import LOCAL, OUTPUT, PARAMETER, UNITS

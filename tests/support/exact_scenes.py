@@ -1,6 +1,6 @@
 """Scenes with helical grooves, solved in closed form at 60 digits. Tests compare the FMU with them.
 
-    PYTHONPATH=tests:tests/support python tests/support/exact_scenes.py      computes them: some minutes
+    python tests/support/exact_scenes.py      computes them: some minutes
 
 They are kept in data/exact_scenes.json.gz, as the scenes of general_scenes.py are. The suite recomputes a few
 of them to prove the file.

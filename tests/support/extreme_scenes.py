@@ -1,7 +1,7 @@
 """Steps and inputs at the end of the range of numbers, in a process of its own: a step that never ends cannot
 be stopped from inside.
 
-    PYTHONPATH=tests:tests/support python tests/support/extreme_scenes.py BINARY DualCamForward
+    python tests/support/extreme_scenes.py BINARY DualCamForward
 
 One line for each scene that breaks a law: the step is refused with a reason, or all values are numbers; a
 step lasts less than LONGEST; afterwards the instance goes on with ordinary inputs.

@@ -1,6 +1,6 @@
 """Scenes with friction that depends on the sliding speed, solved by the reference simulator.
 
-    PYTHONPATH=tests:tests/support python tests/support/friction_scenes.py      computes them: an hour
+    python tests/support/friction_scenes.py      computes them: an hour
 
 They are kept in data/friction_scenes.json.gz, as the scenes of general_scenes.py are, and chosen by the same
 rules; the suite recomputes a few of them to prove the file.

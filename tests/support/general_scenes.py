@@ -1,6 +1,6 @@
 """Scenes with any grooves, solved by the reference simulator. Tests compare the FMU with these solutions.
 
-    PYTHONPATH=tests python tests/support/general_scenes.py        computes them anew: some minutes
+    python tests/support/general_scenes.py        computes them anew: some minutes
 
 A suite that solved all of them would take too long, so they are kept in data/general_scenes.json.gz, and the
 suite recomputes a few of them to prove the file. Each scene was solved twice, the second time with all data

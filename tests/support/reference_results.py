@@ -1,7 +1,7 @@
 """Makes the reference results that the FMUs carry under extra/reference, with the independent reference
 simulator (reference/), not with the FMUs:
 
-    PYTHONPATH=tests python tests/support/reference_results.py       writes modelDescription/reference/*.csv
+    python tests/support/reference_results.py       writes modelDescription/reference/*.csv
 
 Both are of the default mechanism, so a master has nothing to set but the inputs. A test compares the files
 with what this prints, and the FMUs with the files.

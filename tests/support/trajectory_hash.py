@@ -1,6 +1,6 @@
 """One trajectory on every platform: the same scenes in programs for many platforms, one hash of all bits.
 
-    ./build.sh hash [--quick] [word ...]
+    ./build.sh run hash [--quick] [word ...]
 
 The program tests/native/hash plays the scenes of tests/native/lifecycle with both FMUs and prints a hash of
 every bit of every output, scene by scene. This module compiles the program with the C code of the FMUs, by
@@ -162,7 +162,7 @@ def with_binary(platform: str) -> Callable[[Fmu], Path]:
 
     def make(fmu: Fmu) -> Path:
         if not binary_of(platform, fmu.identifier).exists():
-            raise Missing("the binary is not built: ./build.sh all")
+            raise Missing("the binary is not built: ./build.sh run all")
         program = programs_folder(f"{platform} loader") / f"{fmu.identifier}.exe"
         flags = [
             "-O1",

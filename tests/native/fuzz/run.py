@@ -1,7 +1,7 @@
 """Fuzzing of the C code with coverage: libFuzzer calls the FMUs of both standards and gives them tables and
 saved states. It starts from the inputs in tests/fuzz_corpus.
 
-    python tests/native/fuzz/run.py [--minutes N] [--only NAME] [--keep] [--coverage] [--sanitizer memory]
+    ./build.sh run fuzz-calls [--minutes N] [--only NAME] [--keep] [--coverage] [--sanitizer memory]
 
     --minutes N   for each of the four programs (2)
     --only NAME   one program, for example DualCamForward-fmi3
@@ -27,15 +27,16 @@ import subprocess
 import sys
 import tempfile
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 from build_fmu import ALL, MODELS, ROOT, ZIG, dual_cam, locked
+from fuzz_corpus import CORPUS, inputs_of, write_archive
 from native_programs import FOLDER, Toolchain, build_fuzz_target, fuzz_name
 
-CORPUS = ROOT / "tests/fuzz_corpus"
+PROGRAMS = [fuzz_name(dual_cam(name, False, version)) for version in ALL for name in MODELS]
 FINDINGS, GROWN = FOLDER / "findings", FOLDER / "grown"
 SANITIZERS = {"address": "address,undefined", "memory": "memory,undefined"}
 LARGEST = 400  # bytes of an input
@@ -109,15 +110,23 @@ def surroundings() -> Iterator[dict[str, str]]:
         yield {**os.environ, "FUZZ_DIRECTORY": folder}
 
 
+@contextmanager
+def seeds(names: Iterable[str] = PROGRAMS) -> Iterator[Path]:
+    """A folder with the inputs of some programs, from which a run starts."""
+    with tempfile.TemporaryDirectory() as folder:
+        for name in names:
+            inputs_of(name, Path(folder))
+        yield Path(folder)
+
+
 def fuzz(program: Path, name: str, minutes: float) -> bool:
     """Has the program found nothing?"""
     grown, findings = GROWN / name, FINDINGS / name
     for folder in (grown, findings):
         folder.mkdir(parents=True, exist_ok=True)
     words = [f"-max_total_time={round(60 * minutes)}", f"-artifact_prefix={findings}/", str(grown)]
-    words += [str(path) for path in sorted(CORPUS.glob("*")) if path.is_dir()]
-    with tempfile.TemporaryFile("w+", errors="replace") as log, surroundings() as env:
-        done = subprocess.run([program, *OPTIONS, *words], stderr=log, env=env)
+    with tempfile.TemporaryFile("w+", errors="replace") as log, surroundings() as env, seeds() as kept:
+        done = subprocess.run([program, *OPTIONS, *words, kept], stderr=log, env=env)
         log.seek(0)
         lines = log.read().split("\n")
     shown = [
@@ -132,17 +141,10 @@ def fuzz(program: Path, name: str, minutes: float) -> bool:
 
 
 def keep_the_fewest(program: Path, name: str) -> None:
-    with tempfile.TemporaryDirectory() as folder, surroundings() as env:
-        sources = [str(path) for path in (CORPUS / name, GROWN / name) if path.is_dir()]
-        command = [program, "-merge=1", "-use_counters=0", *OPTIONS, folder, *sources]
+    with tempfile.TemporaryDirectory() as folder, surroundings() as env, seeds([name]) as kept:
+        command = [program, "-merge=1", "-use_counters=0", *OPTIONS, folder, kept, GROWN / name]
         subprocess.run(command, check=True, stderr=subprocess.DEVNULL, env=env)
-        found = {path.name: path.read_bytes() for path in Path(folder).iterdir()}
-    (CORPUS / name).mkdir(parents=True, exist_ok=True)
-    for path in (CORPUS / name).iterdir():
-        if path.name not in found and not path.name.startswith("finding"):
-            path.unlink()
-    for file, content in found.items():
-        (CORPUS / name / file).write_bytes(content)
+        write_archive(name, {path.name: path.read_bytes() for path in Path(folder).iterdir()})
 
 
 # ---- coverage ----
@@ -167,7 +169,8 @@ def measure(clang: str, programs: Mapping[str, Path]) -> dict[str, Counter[str]]
         profiles = []
         for name, program in programs.items():
             profile = Path(folder) / f"{name}.profraw"
-            inputs = sorted(str(path) for path in (CORPUS / name).iterdir())
+            (place := Path(folder) / name).mkdir()
+            inputs = sorted(str(path) for path in inputs_of(name, place))
             env["LLVM_PROFILE_FILE"] = str(profile)
             subprocess.run([program, *inputs], check=True, stdout=subprocess.DEVNULL, env=env)
             profiles.append(str(profile))
