@@ -39,7 +39,9 @@ typedef struct {
     double theta, omega, h;       /* rad, rad/s at the start; s */
     /* Only where friction varies: */
     const FrictionNearby *law[2]; /* times sigma e_i */
-    bool has_loads, has_tables;   /* friction depends on the load; a contact has a table */
+    FrictionLoadStart load[2];    /* only where friction depends on the load */
+    bool by_speed, has_loads;     /* friction depends on the speed; on the load */
+    bool has_tables;              /* at a contact */
     /* Only where there is such a table; of a contact without one, the same as of the other contact: */
     const FrictionPiece *piece[2];
     const FrictionPatch *patch[2]; /* of a contact whose table has loads, else NULL */

@@ -16,7 +16,7 @@ static double value_after(const LobattoSystem *s, PeakQuantity quantity, double 
     part.h *= x;
     part.end_speed.given = false;
     lobatto_system_guess(&part, s->y.at[0]);
-    if (!lobatto_system_solve_varying(&part, &anywhere)) return NAN;
+    if (!lobatto_system_solve(&part, &anywhere)) return NAN;
     if (quantity == PEAK_SPEED) return fabs(part.speed.at[LOBATTO_END]);
     const int i = (int)quantity, last = LOBATTO_HALVES - 1;
     const NodeForces forces = lobatto_node_forces(&part, last);

@@ -306,26 +306,36 @@ static double start_force2(const SlipMode *slip, const LobattoStart *from) {
 /* f_i of a law at the start: with the excess that falls, and without. */
 static void start_on_law(const LobattoSystem *s, int i, double v, StartFriction *out) {
     const FrictionNearby *law = s->law[i];
-    const Vector2 load2 = {out->load2[i], out->load2[i]};
-    const double power = law->half_exponent != 0.0 ? friction_load_power(law->half_exponent, load2)[0] : 1.0;
+    const double power = s->has_loads ? s->load[i].power[0] : 1.0;
     const double faint = LOBATTO_FALL_FAINT * sqrt(s->slip->params->tolerance);
     const double kinetic = law->kinetic[0] * power + law->viscous[0] * v;
     out->value[i] = out->kinetic[i] = kinetic;
     if (v * law->minus_by_v[0] < -LOBATTO_FALL_OVER) return;
-    out->value[i] = friction_by_law(law, (Vector2){v, v}, load2).value[0];
+    out->value[i] = friction_by_law(law, &s->load[i], (Vector2){v, v}, s->load[i].load2).value[0];
     const bool shows = law->is_gauss || fabs(out->value[i] - kinetic) > faint * fabs(kinetic);
     const bool falls = shows && v < s->slip->law[i].fall.end;
     if (!falls) out->kinetic[i] = out->value[i];
     out->falls = out->falls || falls;
 }
 
+/* The nominal loads of both contacts at the start, see lobatto_friction(), and their powers, in one vector. */
+static void find_start_loads(LobattoSystem *s, const LobattoStart *from, double load2[2]) {
+    const double force2 = start_force2(s->slip, from);
+    for (int i = 0; i < 2; i++) {
+        const double sliding = cam_sliding(from->geometry, i);
+        load2[i] = force2 * sliding * sliding * s->law[i]->per_load2[0];
+    }
+    const Vector2 both = {load2[0], load2[1]}, none = {0.0, 0.0};
+    const Vector2 half_exponent = {s->law[0]->half_exponent[0], s->law[1]->half_exponent[0]};
+    const Vector2 power = friction_load_power(half_exponent, both);
+    const Vector2 per = 1.0 / (both + NOMINAL_LOAD_LOW * NOMINAL_LOAD_LOW);
+    for (int i = 0; i < 2; i++) s->load[i] = (FrictionLoadStart){none + both[i], none + per[i], none + power[i]};
+}
+
 static StartFriction start_friction(LobattoSystem *s, const LobattoStart *from) {
     StartFriction out = {.falls = false};
-    const double force2 = s->has_loads ? start_force2(s->slip, from) : 0.0;
-    for (int i = 0; i < 2; i++) {
-        const double sliding = out.sliding[i] = s->slip->direction * cam_sliding(from->geometry, i);
-        out.load2[i] = force2 * sliding * sliding * s->law[i]->per_load2[0];
-    }
+    for (int i = 0; i < 2; i++) out.sliding[i] = s->slip->direction * cam_sliding(from->geometry, i);
+    if (s->has_loads) find_start_loads(s, from, out.load2);
     for (int i = 0; i < 2; i++)
         if (!s->law[i]->has_table) start_on_law(s, i, from->omega * out.sliding[i], &out);
     if (s->has_tables) start_on_tables(s, from->omega, &out);
@@ -418,7 +428,15 @@ static GrooveBend start_bend(const SlipMode *slip, const LobattoStart *from) {
     return bend;
 }
 
-/* Where friction varies: guess_rhs(). Shortens the step where mu falls. */
+/* Where friction depends on the load alone: guess_rhs(). */
+static double begin_loaded(LobattoSystem *s, const LobattoStart *from) {
+    double load2[2], friction[2];
+    find_start_loads(s, from, load2);
+    for (int i = 0; i < 2; i++) friction[i] = s->law[i]->kinetic[0] * s->load[i].power[0];
+    return guess_rhs(s->slip, from, friction, NULL);
+}
+
+/* Where friction depends on the speed: guess_rhs(). Shortens the step where mu falls. */
 NOINLINE static double begin_varying(LobattoSystem *s, const LobattoStart *from) {
     StartFriction friction = start_friction(s, from);
     const GrooveBend bend = start_bend(s->slip, from);
@@ -446,8 +464,9 @@ bool lobatto_step_along(const SlipMode *slip, const LobattoStart *from, double l
     LobattoSystem s;
     lobatto_system_begin(&s, slip);
     s.h = left;
-    const double rhs =
-        slip->friction_varies ? begin_varying(&s, from) : guess_rhs(slip, from, slip->signed_friction, NULL);
+    const double rhs = s.by_speed    ? begin_varying(&s, from)
+                       : s.has_loads ? begin_loaded(&s, from)
+                                     : guess_rhs(slip, from, slip->signed_friction, NULL);
     s.theta = from->theta;
     s.omega = slip->regime == REGIME_INERTIAL ? from->omega : rhs;
     if (!(s.h > 0.0) || !solve_longest(&s, rhs, from, left, out)) return false;

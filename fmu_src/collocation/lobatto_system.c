@@ -74,6 +74,7 @@ static inline void set_law(LobattoSystem *s) {
     s->end_speed.given = false;
     for (int i = 0; i < 2; i++) s->law[i] = &slip->law[i].near[friction_sign_index(slip->direction * slip->flank[i])];
     s->has_tables = s->law[0]->has_table || s->law[1]->has_table;
+    s->by_speed = any_friction_depends_on_speed(slip->params);
     s->has_loads = any_friction_depends_on_load(slip->params);
 }
 
@@ -81,6 +82,7 @@ void lobatto_system_begin(LobattoSystem *s, const SlipMode *slip) {
     s->slip = slip;
     s->has_damper = slip->c + slip->q > 0.0;
     s->is_resisted = slip->follower_has_inertia || s->has_damper || slip->params->shaft.damping > 0.0;
+    s->by_speed = s->has_loads = false;
     if (slip->friction_varies) set_law(s);
 }
 
@@ -94,7 +96,7 @@ static inline Vector2 damper_at(const LobattoSystem *s, Vector2 dz_dtheta, Vecto
 
 VectorFriction lobatto_friction(const LobattoSystem *s, int i, Vector2 v, Vector2 load2) {
     const FrictionNearby *law = s->law[i];
-    if (!law->has_table) return friction_by_law(law, v, load2);
+    if (!law->has_table) return friction_by_law(law, &s->load[i], v, load2);
     if (s->patch[i] != NULL) return friction_on_patch(law->sign, s->patch[i], s->piece[i], v, load2);
     return friction_on_piece(law->sign, s->piece[i], v);
 }
@@ -107,23 +109,40 @@ NOINLINE static void find_friction_by_tables(const LobattoSystem *s, const Vecto
     }
 }
 
-/* Where friction varies: f_i at the speeds of two nodes, under their force F. */
-ALWAYS_INLINE static inline void find_friction(const LobattoSystem *s, Vector2 omega, NodePair *n) {
-    const double sigma = s->slip->direction;
-    const Vector2 none = {0.0, 0.0};
-    Vector2 force2 = none, load2[2] = {none, none};
-    n->omega = omega;
-    if (s->has_loads) {
-        const Vector2 force = n->force + damper_at(s, n->dz_dtheta, omega);
-        force2 = force * force;
-    }
+/* m: v_i per omega. */
+static inline Vector2 sliding_at(const LobattoSystem *s, const NodePair *n, int i) {
+    const Vector2 length2 = s->law[i]->radius2 + n->slope[i] * n->slope[i];
+    return s->slip->direction * n->dpsi_dtheta[i] * (Vector2){sqrt(length2[0]), sqrt(length2[1])};
+}
+
+/* N^2, the square of F at the speeds of two nodes. */
+static inline Vector2 force2_at(const LobattoSystem *s, Vector2 omega, const NodePair *n) {
+    const Vector2 force = n->force + damper_at(s, n->dz_dtheta, omega);
+    return force * force;
+}
+
+/* Where friction depends on the load alone: f_i at two nodes. */
+NOINLINE static void find_loaded_friction(const LobattoSystem *s, Vector2 omega, NodePair *n) {
+    const Vector2 force2 = force2_at(s, omega, n);
     for (int i = 0; i < 2; i++) {
-        const Vector2 length2 = s->law[i]->radius2 + n->slope[i] * n->slope[i];
-        const Vector2 sliding = sigma * n->dpsi_dtheta[i] * (Vector2){sqrt(length2[0]), sqrt(length2[1])};
-        n->sliding[i] = sliding;
+        const FrictionNearby *law = s->law[i];
+        const Vector2 sliding = n->sliding[i] = sliding_at(s, n, i);
+        n->friction[i] = law->kinetic;
+        if (law->half_exponent[0] != 0.0)
+            n->friction[i] *= friction_load_power_near(law, &s->load[i], force2 * (sliding * sliding) * law->per_load2);
+    }
+}
+
+/* Where friction depends on the speed: f_i at the speeds of two nodes, under their force F. */
+ALWAYS_INLINE static inline void find_friction(const LobattoSystem *s, Vector2 omega, NodePair *n) {
+    const Vector2 none = {0.0, 0.0}, force2 = s->has_loads ? force2_at(s, omega, n) : none;
+    Vector2 load2[2];
+    n->omega = omega;
+    for (int i = 0; i < 2; i++) {
+        const Vector2 sliding = n->sliding[i] = sliding_at(s, n, i);
         load2[i] = force2 * (sliding * sliding) * s->law[i]->per_load2;
         if (s->has_tables) continue;
-        const VectorFriction f = friction_by_law(s->law[i], omega * sliding, load2[i]);
+        const VectorFriction f = friction_by_law(s->law[i], &s->load[i], omega * sliding, load2[i]);
         n->friction[i] = f.value;
         n->dfriction_domega[i] = f.by_speed * sliding;
     }
@@ -164,9 +183,10 @@ ALWAYS_INLINE static inline void find_factors(const LobattoSystem *s, Vector2 th
     const Vector2 rate = spring->stiffness + n->z * (spring->stiffness2 + n->z * spring->stiffness3);
     n->force = spring->preload + n->z * rate + F_ext;
     if (varies) find_friction(s, omega, n);
+    else if (s->has_loads) find_loaded_friction(s, omega, n);
     for (int i = 0; i < 2; i++) {
         const double r = slip->params->cam[i].radius;
-        if (varies) set_varying_factors(s, i, n);
+        if (varies || s->has_loads) set_varying_factors(s, i, n);
         else vector_contact_factors_set(&n->factors, i, r, slip->signed_friction[i], n->slope[i]);
     }
     vector_contact_factors_multiply(&n->factors);
@@ -486,10 +506,10 @@ ALWAYS_INLINE static inline bool solve_with(LobattoSystem *s, const EndAngle *en
     return false;
 }
 
-NOINLINE bool lobatto_system_solve_varying(LobattoSystem *s, const EndAngle *end) {
+NOINLINE static bool solve_varying(LobattoSystem *s, const EndAngle *end) {
     return solve_with(s, end, true);
 }
 
 bool lobatto_system_solve(LobattoSystem *s, const EndAngle *end) {
-    return s->slip->friction_varies ? lobatto_system_solve_varying(s, end) : solve_with(s, end, false);
+    return s->by_speed ? solve_varying(s, end) : solve_with(s, end, false);
 }

@@ -102,13 +102,14 @@ static FrictionNearby nearby_of(const Params *p, int i, double sign) {
     const Vector2 none = {0.0, 0.0};
     const double excess = excess_of(cam);
     const double per_load = 1.0 / (p->contacts * cam->radius * (law->table ? 1.0 : law->load));
-    return (FrictionNearby){
+    const double half_exponent = friction_depends_on_load(cam) && !law->table ? 0.5 * law->load_exponent : 0.0;
+    FrictionNearby near = {
         .kinetic = none + sign * cam->friction,
         .viscous = none + (law->table ? 0.0 : sign * law->viscous),
         .excess = none + sign * excess,
         .minus_by_v = none - 1.0 / law->stribeck_velocity,
         .per_load2 = none + per_load * per_load,
-        .half_exponent = friction_depends_on_load(cam) && !law->table ? 0.5 * law->load_exponent : 0.0,
+        .half_exponent = none + half_exponent,
         .radius = none + cam->radius,
         .radius2 = none + cam->radius * cam->radius,
         .gone = speed_without_excess(cam, excess),
@@ -116,6 +117,9 @@ static FrictionNearby nearby_of(const Params *p, int i, double sign) {
         .is_gauss = law->stribeck_exponent == 2,
         .has_table = law->table != NULL,
     };
+    double binomial = 1.0;
+    for (int k = 0; k < 6; k++) near.binomial[k] = none + (binomial *= (half_exponent - k) / (k + 1.0));
+    return near;
 }
 
 void friction_prepare(const Params *params, int i, FrictionConstants *constants) {

@@ -102,7 +102,8 @@ typedef struct {
     Vector2 kinetic, viscous;   /* mu_k; s/m, mu_v */
     Vector2 excess, minus_by_v; /* mu_k (peak - 1); s/m, -1/v_s */
     Vector2 per_load2;          /* 1/(n r N_ref)^2 times (F sliding)^2 is (N/N_ref)^2; of a table with N_ref = 1 N */
-    double half_exponent;       /* nu/2, 0 where the law does not depend on the load */
+    Vector2 half_exponent;      /* nu/2, 0 where the law does not depend on the load */
+    Vector2 binomial[6];        /* of (1 + u)^(nu/2): the coefficients of u, ..., u^6 */
     Vector2 radius, radius2;    /* m, m^2: r and r^2 */
     double gone;                /* m/s, above which the excess is below all rounding */
     Vector2 sign;               /* of all values */
@@ -150,13 +151,28 @@ VectorFriction friction_on_patch(Vector2 sign, const FrictionPatch *patch, const
                                  Vector2 load2);
 
 /* ((N^2 + N_0^2)/N_ref^2)^(nu/2), load2: (N/N_ref)^2. */
-static inline Vector2 friction_load_power(double half_exponent, Vector2 load2) {
+static inline Vector2 friction_load_power(Vector2 half_exponent, Vector2 load2) {
     return vector2_exp(half_exponent * vector2_log(load2 + NOMINAL_LOAD_LOW * NOMINAL_LOAD_LOW));
 }
 
+/* This power at the start of a step. */
+typedef struct {
+    Vector2 load2, per; /* (N/N_ref)^2, and 1/(load2 + (N_0/N_ref)^2) */
+    Vector2 power;
+} FrictionLoadStart;
+
+/* The same, where the load is near to that at the start by the binomial series. */
+static inline Vector2 friction_load_power_near(const FrictionNearby *near, const FrictionLoadStart *start, Vector2 load2) {
+    const Vector2 u = (load2 - start->load2) * start->per;
+    if (!vector2_is_within(u, LOAD_POWER_NEAR)) return friction_load_power(near->half_exponent, load2);
+    const Vector2 *c = near->binomial;
+    return start->power * (1.0 + u * (c[0] + u * (c[1] + u * (c[2] + u * (c[3] + u * (c[4] + u * c[5]))))));
+}
+
 /* Without a table: friction_at() at two speeds, times the sign, to some roundings; the derivative by the speed only for speeds >= 0.
- * load2: (N/N_ref)^2. */
-static inline VectorFriction friction_by_law(const FrictionNearby *near, Vector2 v, Vector2 load2) {
+ * start: of the load power; load2: (N/N_ref)^2. */
+static inline VectorFriction friction_by_law(const FrictionNearby *near, const FrictionLoadStart *start, Vector2 v,
+                                             Vector2 load2) {
     VectorFriction dry = {near->kinetic, {0.0, 0.0}};
     if (!(v[0] > near->gone && v[1] > near->gone)) {
         const Vector2 ratio = v * near->minus_by_v;
@@ -171,8 +187,8 @@ static inline VectorFriction friction_by_law(const FrictionNearby *near, Vector2
         dry.value += share;
         dry.by_speed = share * slope;
     }
-    if (near->half_exponent != 0.0) {
-        const Vector2 power = friction_load_power(near->half_exponent, load2);
+    if (near->half_exponent[0] != 0.0) {
+        const Vector2 power = friction_load_power_near(near, start, load2);
         dry.value *= power;
         dry.by_speed *= power;
     }

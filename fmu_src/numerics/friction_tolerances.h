@@ -27,6 +27,9 @@ static const double NOMINAL_LOAD_LOW = 0.1;
  * that each stage gains half a digit. */
 static const double NOMINAL_LOAD_SPAN = 1.0;
 
+/* Change of N^2 + N_0^2 in a step, as a share of it, up to which six terms of a series have all digits. */
+static const double LOAD_POWER_NEAR = 0.01;
+
 /* At rest while F_ext varies: samples of the band's edge, and steps of the search between two. */
 enum { LOADED_REST_SAMPLES = 32, LOADED_GOLDEN_STEPS = 20 };
 
