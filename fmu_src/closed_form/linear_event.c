@@ -53,7 +53,8 @@ LinearEvent linear_event_first(const LinearSegment *s, LinearEvent last, Kernel 
     if (s->start.drive != 0.0 && !linear_segment_keeps_speed(s, ends))
         search_crossing(&search, EVENT_REST, QUANTITY_SPEED, direction);
     /* The segment now ends at the first velocity zero at the latest, so theta is monotone in it. */
-    if (direction * ends->motion.dtheta >= s->to_stop) end_segment_at(&search, (LinearEvent){EVENT_STOP, time_to_stop(&search), 0});
+    if (direction * ends->motion.dtheta >= s->to_stop)
+        end_segment_at(&search, (LinearEvent){EVENT_STOP, time_to_stop(&search), 0});
     for (int i = 0; s->flanks && i < 2; i++) {
         if (linear_segment_has_band_edge(s, i))
             search_crossing(&search, EVENT_REST, linear_quantity_of_edge(i), direction);

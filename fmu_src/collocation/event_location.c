@@ -90,9 +90,8 @@ static CrossingResult end_on_crossing(const SegmentLimits *limits, StepIndicator
         if (!keep_in_bracket(&bracket, whole.h, t, &next)) break;
         t = next;
     }
-    /* A speed or a distance to the stop that is all but zero has its zero closer to the start than the halvings come. */
-    const bool is_of_motion = indicator == STEP_SPEED || indicator == STEP_TO_STOP;
-    if (!blocked && is_of_motion && bracket.closed &&
+    /* An indicator that is all but zero at the start has its zero closer to the start than the halvings come. */
+    if (!blocked && indicator != STEP_BREAKPOINT && bracket.closed &&
         radau_step_solve(&slip, &whole.start, bracket.right, stages, step))
         return CROSSING_REACHED;
     if (blocked && bracket.closed && bracket.left > 0.0 &&

@@ -20,9 +20,9 @@
 
 typedef struct {
     RadauStep step;
-    EventKind kind;     /* what ended the segment */
-    bool crossed[2];    /* of EVENT_FLANK: the reactions that pass zero */
-    bool at_breakpoint; /* the segment ended at a breakpoint of the transmission */
+    EventKind kind;           /* what ended the segment */
+    bool crossed[2];          /* of EVENT_FLANK: the reactions that pass zero */
+    bool at_breakpoint;       /* the segment ended at a breakpoint of the transmission */
     bool aimed_at_breakpoint; /* the step was to end at the breakpoint, or at a sample of a friction table */
     StepProposal next;        /* for the next segment */
 } EventLocation;

@@ -45,12 +45,12 @@ typedef struct {
     /* Only where there is such a table; of a contact without one, the same as of the other contact: */
     const FrictionPiece *piece[2];
     const FrictionPatch *patch[2]; /* of a contact whose table has loads, else NULL */
-    Vector2 lowest, highest; /* m/s, the sliding speeds up to which the step may use the pieces */
+    Vector2 lowest, highest;       /* m/s, the sliding speeds up to which the step may use the pieces */
     EndSpeed end_speed;
     LobattoValues tau, F_ext;
     LobattoValues dtheta, speed; /* rad, rad/s: theta_i - theta_0, omega_i */
     LobattoValues y;             /* alpha_i in rad/s^2, or without inertia omega_i in rad/s */
-    double end_shift;       /* rad, dtheta at the end less the dtheta at which the balance was taken last */
+    double end_shift;            /* rad, dtheta at the end less the dtheta at which the balance was taken last */
     NodePair pair[LOBATTO_HALVES];
 } LobattoSystem;
 

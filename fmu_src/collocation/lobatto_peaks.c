@@ -62,4 +62,3 @@ bool lobatto_peaks_inside(const LobattoSystem *s, const LobattoValues reaction[2
            raise(s, PEAK_REACTION_2, &reaction[1], contacts, &peaks->reaction[1]) &&
            raise(s, PEAK_SPEED, &s->speed, 1.0, &peaks->omega);
 }
-

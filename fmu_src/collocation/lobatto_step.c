@@ -42,7 +42,8 @@ static bool stays_on_patch(const LobattoSystem *s, int i) {
     if (signed_range.low * signed_range.high < 0.0) return false;
     const double from = fabs(load.at[0]), ends[2] = {fabs(signed_range.low), fabs(signed_range.high)};
     const LobattoRange range = {min_of(ends[0], ends[1]), max_of(ends[0], ends[1])};
-    const KnotCell cell = friction_table_cell(table->load, table->loads, friction_table_find(table->load, 0, table->loads + 1, from));
+    const KnotCell cell =
+        friction_table_cell(table->load, table->loads, friction_table_find(table->load, 0, table->loads + 1, from));
     const bool up = range.high - from > from - range.low;
     const KnotSteps step = knot_steps(&cell, &cell, s->slip->law[i].fall.overshoot, (Vector2){from, from}, up);
     const double ahead = up ? range.high - from : from - range.low, back = up ? from - range.low : range.high - from;
@@ -299,7 +300,8 @@ NOINLINE static void start_on_tables(LobattoSystem *s, double omega, StartFricti
 /* F^2 at the start, N^2. */
 static double start_force2(const SlipMode *slip, const LobattoStart *from) {
     const double v = from->geometry->dz_dtheta * from->omega;
-    const double force = spring_force(&slip->params->spring, from->z) + slip->inputs->F_ext[0] + slip_damper_force(slip, v);
+    const double force =
+        spring_force(&slip->params->spring, from->z) + slip->inputs->F_ext[0] + slip_damper_force(slip, v);
     return force * force;
 }
 

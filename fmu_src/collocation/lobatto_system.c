@@ -212,7 +212,8 @@ static inline Vector2 friction_damping(const LobattoSystem *s, Vector2 torque, V
 }
 
 /* alpha */
-static inline Vector2 inertial_rhs(const LobattoSystem *s, Vector2 tau, Vector2 omega, bool varies, bool first, NodePair *n) {
+static inline Vector2 inertial_rhs(const LobattoSystem *s, Vector2 tau, Vector2 omega, bool varies, bool first,
+                                   NodePair *n) {
     const SlipMode *slip = s->slip;
     const InertiaParams *in = &slip->params->inertia;
     const VectorContactFactors *f = &n->factors;

@@ -159,4 +159,3 @@ COLD static bool vary_in_parts(const SlipMode *slip, const RadauStep *step, Vari
 COLD bool radau_step_vary(const SlipMode *slip, const RadauStep *step, Variation *v) {
     return slip->regime == REGIME_INERTIAL ? vary(slip, step, v) : vary_in_parts(slip, step, v);
 }
-

@@ -158,8 +158,7 @@ NOINLINE static RightHandSide rhs_of_varying(const SlipMode *slip, const SlipCoe
     RightHandSide rhs = rhs_of_coefficients(slip, k, z, in, omega);
     if (slip->regime == REGIME_RATE_INDEPENDENT) return rhs;
     const bool inertial = slip->regime == REGIME_INERTIAL;
-    const MotionTerms terms =
-        terms_of(slip, k, z, in, inertial ? omega : rhs.value, inertial ? rhs.value : 0.0);
+    const MotionTerms terms = terms_of(slip, k, z, in, inertial ? omega : rhs.value, inertial ? rhs.value : 0.0);
     const double steepness = inertial ? slip_inertia(slip, k).value : slip_viscous_rate(slip, k, rhs.value);
     if (inertial) rhs.by_omega += residual_change(slip, k, &k->dfactors_domega, &terms) / steepness;
     rhs.by_time += residual_change(slip, k, &k->dfactors_dload, &terms) * in->F_ext_rate / steepness;
@@ -268,9 +267,9 @@ double balance_friction_share(const SlipMode *slip, const Balance *from, const B
         const double part = friction_share(fall, sliding_speed(slip, from, i), sliding_speed(slip, to, i));
         if (part < 1.0) share = min_of(share, fall->table ? part : STEP_SAFETY * part);
         const double from_load = signed_load(slip, from, i), to_load = signed_load(slip, to, i);
-        share = min_of(share, fall->table ? friction_table_load_share(fall->table, fall->overshoot, fabs(from_load),
-                                                                      fabs(to_load))
-                                          : friction_load_share(fall, from_load, to_load));
+        share = min_of(
+            share, fall->table ? friction_table_load_share(fall->table, fall->overshoot, fabs(from_load), fabs(to_load))
+                               : friction_load_share(fall, from_load, to_load));
     }
     return share;
 }

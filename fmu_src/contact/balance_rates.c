@@ -27,7 +27,7 @@ static MotionRates motion_rates_of(const SlipMode *slip, const SlipCoefficients 
         .F_ext_rate = in->F_ext_rate,
     };
     d.alpha = inertial ? balance->alpha : d.rhs;
-    const double jerk = inertial ? d.rhs : 0.0;                                                 /* as far as a mass acts */
+    const double jerk = inertial ? d.rhs : 0.0; /* as far as a mass acts */
     const double follower_acceleration = k->dz_dtheta.value * d.alpha + k->d2z_dtheta2.value * omega2; /* d^2 z/dt^2 */
     d.axial = balance->force + balance->damper + m * (inertial ? follower_acceleration : 0.0);
     d.moment = I * (k->dpsi_dtheta[0].value * balance->alpha + k->d2gamma_dtheta2.value * omega2);
@@ -58,10 +58,10 @@ static double contact_rate(const SlipMode *slip, const SlipCoefficients *k, cons
     const DualContactFactors *f = &k->factors;
     const double omega = balance->omega;
     const Dual rn = f->rn[1 - i], signed_d = dual_scale(i == 0 ? -1.0 : 1.0, f->d[1 - i]);
-    const double rate = (rn.slope * omega * rates->axial + rn.value * rates->axial_rate +
-                         signed_d.slope * omega * rates->moment + signed_d.value * rates->moment_rate -
-                         balance->x[i] * f->delta.slope * omega) /
-                        f->delta.value;
+    const double rate =
+        (rn.slope * omega * rates->axial + rn.value * rates->axial_rate + signed_d.slope * omega * rates->moment +
+         signed_d.value * rates->moment_rate - balance->x[i] * f->delta.slope * omega) /
+        f->delta.value;
     if (!slip->friction_varies) return rate;
     const ContactFactors by_friction = factors_rate_by_friction(slip, k, rates);
     return rate + contact_load_by_factors(k, &by_friction, i, rates->axial, rates->moment, balance->x[i]);
@@ -104,8 +104,7 @@ static LoadSizes load_sizes(const SlipMode *slip, const SlipCoefficients *k, con
     if (!slip->follower_has_inertia || slip->regime != REGIME_INERTIAL) return (LoadSizes){force, 0.0};
     const double alpha = alpha_size(slip, k, balance, force), omega2 = balance->omega * balance->omega;
     return (LoadSizes){
-        force + p->inertia.follower_mass *
-                    (fabs(k->dz_dtheta.value) * alpha + fabs(k->d2z_dtheta2.value) * omega2),
+        force + p->inertia.follower_mass * (fabs(k->dz_dtheta.value) * alpha + fabs(k->d2z_dtheta2.value) * omega2),
         p->inertia.follower * (fabs(k->dpsi_dtheta[0].value) * alpha + fabs(k->d2gamma_dtheta2.value) * omega2),
     };
 }

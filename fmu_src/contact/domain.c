@@ -148,8 +148,7 @@ static bool next_sample(Sampler *s) {
     }
     if (s->piece >= t->count) return false;
     const TransmissionPiece *piece = &t->piece[s->piece];
-    s->theta = s->sample == samples ? piece->upper
-                                    : piece->lower + (piece->upper - piece->lower) * s->sample / samples;
+    s->theta = s->sample == samples ? piece->upper : piece->lower + (piece->upper - piece->lower) * s->sample / samples;
     s->point = piece_at(piece, s->theta);
     return true;
 }
@@ -203,8 +202,7 @@ static void name_lead(char text[80], const Params *p, int i, double slope) {
 
 static void name_friction(char text[100], const CamParams *cam, double mu, int i) {
     const FrictionParams *law = &cam->law;
-    if (law->table)
-        snprintf(text, 100, "cam%d.friction_table with mu up to %s", i + 1, shortest_decimal(mu).text);
+    if (law->table) snprintf(text, 100, "cam%d.friction_table with mu up to %s", i + 1, shortest_decimal(mu).text);
     else if (law->load_exponent != 0.0)
         snprintf(text, 100, "cam%d.friction = %s, under load up to mu = %s", i + 1,
                  shortest_decimal(cam->friction).text, shortest_decimal(mu).text);
@@ -278,9 +276,8 @@ bool domain_check_motion(const Params *p, const Transmission *transmission, doub
         }
     }
     if (worst == 0) return true;
-    snprintf(fault->text, sizeof fault->text,
-             "nothing resists %s at theta = %s, where %s: %s must exceed %s", worst > 0 ? "loading" : "releasing",
-             shortest_decimal(at).text,
+    snprintf(fault->text, sizeof fault->text, "nothing resists %s at theta = %s, where %s: %s must exceed %s",
+             worst > 0 ? "loading" : "releasing", shortest_decimal(at).text,
              most > 0.0 ? "a contact locks and the follower outweighs the shaft" : "a groove is level",
              has_inertia(p) ? "inertia.shaft" : "shaft.damping", shortest_decimal(max_of(most, 0.0)).text);
     return false;

@@ -80,7 +80,8 @@ void slip_set_friction(const SlipMode *slip, double omega, double z, double F_ex
     const double load = fabs(force.value), side = force.value < 0.0 ? -1.0 : 1.0;
     double radius[2], slope[2];
     for (int i = 0; i < 2; i++) {
-        const double r = p->cam[i].radius, per_sliding = 1.0 / (p->contacts * r), sign = slip->direction * slip->flank[i];
+        const double r = p->cam[i].radius, per_sliding = 1.0 / (p->contacts * r),
+                     sign = slip->direction * slip->flank[i];
         const Dual sliding = sliding_of(slip, k, i);
         const FrictionCoefficient mu =
             friction_at(&p->cam[i], speed * sliding.value, load * per_sliding * sliding.value);

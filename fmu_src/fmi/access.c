@@ -315,4 +315,3 @@ bool access_set_texts(Instance *instance, const char *function, const ValueRefer
     instance_invalidate(instance);
     return true;
 }
-

@@ -172,4 +172,3 @@ bool derivatives_adjoint(Instance *instance, const char *function, const Jacobia
     arithmetic_end(host);
     return access_are_numbers(instance, function, j->known, j->knowns, product);
 }
-

@@ -280,4 +280,3 @@ fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance instance, size_t *nEventI
 fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance instance, size_t *nContinuousStates) {
     return write_count(instance, __func__, nContinuousStates, CONTINUOUS_STATES);
 }
-

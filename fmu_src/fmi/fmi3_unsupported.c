@@ -233,4 +233,3 @@ fmi3Status fmi3ActivateModelPartition(fmi3Instance instance, fmi3ValueReference 
     return status_of(
         instance_refuse(instance, "%s: there is no scheduled execution: allowed is not to call it", __func__));
 }
-

@@ -158,4 +158,3 @@ fmi3Status fmi3GetOutputDerivatives(fmi3Instance instance, const fmi3ValueRefere
         is_count(instance, __func__, "nValues", nValues, nValueReferences) &&
         derivatives_get_of_outputs(instance, __func__, phases, valueReferences, nValueReferences, orders, values));
 }
-

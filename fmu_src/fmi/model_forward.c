@@ -145,15 +145,14 @@ static bool are_flanks(const int flank[2]) {
 /* The latest step is computed again for its derivatives; without a step its mode is 0. */
 bool model_state_is_possible(const State *state) {
     const Step *step = &state->step;
-    return is_mode(state->mode) && are_flanks(state->flank) &&
-           (is_mode(step->mode) || step->mode == 0) && are_flanks(step->flank) &&
-           isfinite(state->theta.hi) && isfinite(state->omega.hi) && isfinite(step->theta.hi) &&
-           isfinite(step->omega.hi) && isfinite(state->F_ext_at_start) && step->h >= 0.0 && isfinite(step->h);
+    return is_mode(state->mode) && are_flanks(state->flank) && (is_mode(step->mode) || step->mode == 0) &&
+           are_flanks(step->flank) && isfinite(state->theta.hi) && isfinite(state->omega.hi) &&
+           isfinite(step->theta.hi) && isfinite(step->omega.hi) && isfinite(state->F_ext_at_start) && step->h >= 0.0 &&
+           isfinite(step->h);
 }
 
 /* Equal states have equal bytes: no padding. */
-_Static_assert(sizeof(Step) ==
-                   2 * sizeof(Sum) + sizeof(Inputs) + 2 * sizeof(double) + sizeof(Mode) + 3 * sizeof(int),
+_Static_assert(sizeof(Step) == 2 * sizeof(Sum) + sizeof(Inputs) + 2 * sizeof(double) + sizeof(Mode) + 3 * sizeof(int),
                "padding in Step");
 _Static_assert(offsetof(State, ledger) ==
                    2 * sizeof(Sum) + 2 * sizeof(double) + sizeof(int64_t) + sizeof(Mode) + 3 * sizeof(int),

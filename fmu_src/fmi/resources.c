@@ -94,4 +94,3 @@ bool resources_from_path(const char *path, char **directory) {
     drop_last_slashes(*directory);
     return true;
 }
-

@@ -50,7 +50,8 @@ NOINLINE Balance balance_from_here(const Mechanism *m, const SlipMode *slip) {
  * follower. The change, as a size of x_i. In closed form: */
 static double linear_size_by_angle(const Mechanism *m, const LinearSlipMode *linear, int i) {
     const double spring = linear->transfer.axial[i] * m->params.spring.stiffness * m->configuration.geometry.dz_dtheta;
-    const double by_alpha = linear->regime == REGIME_INERTIAL ? linear->acceleration[i] * linear->stiffness / linear->mass : 0.0;
+    const double by_alpha =
+        linear->regime == REGIME_INERTIAL ? linear->acceleration[i] * linear->stiffness / linear->mass : 0.0;
     return CANDIDATE_ANGLE_ROUNDING * largest_angle(&m->params) * (fabs(spring) + fabs(by_alpha));
 }
 
@@ -67,7 +68,8 @@ static Candidate closed_form_candidate(const Mechanism *m, const LinearSlipMode 
     const SlipStart start = slip_start_of(m, linear);
     const LinearMotion now = linear_slip_motion_at_start(linear, &start);
     const double tie = stick_tie(m) * stick_torque_size(m, linear->transfer.rho);
-    const bool inertial = linear->regime == REGIME_INERTIAL, rate_independent = linear->regime == REGIME_RATE_INDEPENDENT;
+    const bool inertial = linear->regime == REGIME_INERTIAL,
+               rate_independent = linear->regime == REGIME_RATE_INDEPENDENT;
     const double net = linear_slip_net_torque(linear, &start);
     const double free = inertial ? net - linear->damping * start.omega : net; /* start.alpha keeps to the direction */
     Candidate c = {
@@ -87,19 +89,28 @@ static Candidate closed_form_candidate(const Mechanism *m, const LinearSlipMode 
     return c;
 }
 
+/* N.m: what the stick band calls a tie, and the two differences' own rounding. */
+static double edge_rounding(const Mechanism *m, int direction) {
+    const double F_0 = stick_axial_load(m);
+    const BandFactors edges = stick_edges(m, F_0);
+    const double factor = direction > 0 ? edges.load : edges.release;
+    const double tie =
+        stick_tie(m) * stick_torque_size(m, isfinite(factor) ? factor : m->configuration.geometry.dz_dtheta);
+    return CANDIDATE_TIES * tie;
+}
+
 static Candidate general_candidate(const Mechanism *m, int index) {
     const SlipMode slip = slip_mode_from_here(m, index);
     Balance now;
     balance_at(&slip, m->state.theta.hi, m->state.omega.hi, 0.0, &now);
     if (!now.rhs.possible || !isfinite(now.rhs.value)) return (Candidate){.possible = false};
     const bool rate_independent = slip.regime == REGIME_RATE_INDEPENDENT;
-    const double lever = m->configuration.geometry.dz_dtheta;
     Candidate c = {
         .possible = true,
         .regime = slip.regime,
         .motion = now.rhs.value,
         .net = now.rhs.net,
-        .rounding = rate_independent ? stick_tie(m) * stick_torque_size(m, lever) : CANDIDATE_ROUNDING * now.rhs.size,
+        .rounding = rate_independent ? edge_rounding(m, slip.direction) : CANDIDATE_ROUNDING * now.rhs.size,
         .stiffness = now.rhs.by_theta,
         .axial = {now.axial[0], now.axial[1]},
     };

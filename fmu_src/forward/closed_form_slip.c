@@ -16,7 +16,8 @@ static inline LinearSegment segment_from_here(const Mechanism *m, const LinearSl
         .work = m->work,
         .to_stop = angle_to_stop(m, linear->direction),
         .flanks = has_friction(&m->params),
-        .edge = {min_of(m->configuration.band.load, STEEPEST_EDGE), max_of(m->configuration.band.release, -STEEPEST_EDGE)},
+        .edge = {min_of(m->configuration.band.load, STEEPEST_EDGE),
+                 max_of(m->configuration.band.release, -STEEPEST_EDGE)},
     };
 }
 

@@ -133,4 +133,3 @@ void jump_find_speed(Mechanism *m) {
     }
     if (m->params.ledger) peak_raise(&m->state.ledger.peak.omega, m->state.omega.hi);
 }
-

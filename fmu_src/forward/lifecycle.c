@@ -31,8 +31,8 @@ void forget_cache(Cache *cache) {
 static void build_model(Mechanism *m) {
     const Transmission *transmission = &m->model.transmission;
     m->model.friction_is_loaded = any_friction_depends_on_load(&m->params);
-    m->model.closed_form = USE_CLOSED_FORM && transmission->straight && is_linear(&m->params) &&
-                           !any_friction_varies(&m->params);
+    m->model.closed_form =
+        USE_CLOSED_FORM && transmission->straight && is_linear(&m->params) && !any_friction_varies(&m->params);
     if (any_friction_varies(&m->params))
         for (int i = 0; i < 2; i++) friction_prepare(&m->params, i, &m->model.law[i]);
     if (transmission->straight) {
@@ -59,9 +59,9 @@ static bool check_domain(const Params *p, const Transmission *transmission, doub
 bool mechanism_rebuild(Mechanism *m, Fault *fault) {
     FrictionTables tables;
     if (!friction_tables_load(&m->params, &m->model.friction, m->resources, &tables, fault)) return false;
-    const bool good = check_mechanism(&m->params, fault) &&
-                      check_transmission(&m->params, m->resources, m->state.F_ext_at_start, check_domain,
-                                         &m->model.transmission, fault);
+    const bool good =
+        check_mechanism(&m->params, fault) && check_transmission(&m->params, m->resources, m->state.F_ext_at_start,
+                                                                 check_domain, &m->model.transmission, fault);
     friction_tables_settle(&m->params, &m->model.friction, &tables, good);
     if (good) build_model(m);
     return good;

@@ -251,4 +251,3 @@ void play_jump(const Mechanism *m, int direction, double torque, double bump, Ju
     }
     jump->stopped = true;
 }
-

@@ -57,10 +57,10 @@ typedef struct {
 } Step;
 
 typedef struct {
-    Sum theta;            /* rad */
-    Sum omega;            /* rad/s */
-    double energy_gained; /* J, by the errors of integration since the last impact: collocation/step_energy.h */
-    int64_t events;       /* mode changes so far */
+    Sum theta;             /* rad */
+    Sum omega;             /* rad/s */
+    double energy_gained;  /* J, by the errors of integration since the last impact: collocation/step_energy.h */
+    int64_t events;        /* mode changes so far */
     double F_ext_at_start; /* N, under which the friction class was found (contact/domain.h) */
     Mode mode;
     int flank[2];       /* e_i while slipping: +1 supporting flank of cam i's groove, -1 the other flank */

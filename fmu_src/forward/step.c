@@ -103,9 +103,6 @@ static bool carry_out(Mechanism *m, StepRun *run, const Segment *segment) {
     past.mode = m->state.mode;
     if (visitor != NULL) past.inputs = m->inputs;
     segment_apply(m, segment);
-#ifdef DUALCAM_TRACE
-    fprintf(stderr, "seg kind %d end %d dur %.6g theta %.17g omega %.6g mode %d flank %d %d crossed %d %d left %.6g\n", segment->kind, segment->end, segment->duration, m->state.theta.hi, m->state.omega.hi, m->state.mode, m->state.flank[0], m->state.flank[1], segment->crossed[0], segment->crossed[1], run->left);
-#endif
     past.omega = m->state.omega.hi;
     handle_event(m, direction_of(past.mode), segment->end);
     if (segment->finds_speed) jump_find_speed(m);
@@ -175,12 +172,13 @@ static Outcome go_through(Mechanism *m, StepRun *run) {
 static void describe_loss(const Mechanism *m, char text[REASON_SIZE]) {
     const SlipMode slip = slip_mode_from_here(m, present_slip_index(m));
     const Balance now = balance_from_here(m, &slip);
-    snprintf(text, REASON_SIZE,
-             "at theta = %s, omega = %s the contacts, with mu1 = %s and mu2 = %s, take the inertia that the torque feels "
-             "to zero; a larger inertia.shaft, or less friction%s, would work",
-             shortest_decimal(now.theta).text, shortest_decimal(now.omega).text,
-             shortest_decimal(fabs(now.friction[0])).text, shortest_decimal(fabs(now.friction[1])).text,
-             any_friction_depends_on_speed(&m->params) ? " at this speed" : "");
+    snprintf(
+        text, REASON_SIZE,
+        "at theta = %s, omega = %s the contacts, with mu1 = %s and mu2 = %s, take the inertia that the torque feels "
+        "to zero; a larger inertia.shaft, or less friction%s, would work",
+        shortest_decimal(now.theta).text, shortest_decimal(now.omega).text,
+        shortest_decimal(fabs(now.friction[0])).text, shortest_decimal(fabs(now.friction[1])).text,
+        any_friction_depends_on_speed(&m->params) ? " at this speed" : "");
 }
 
 /* The reason of a failed step; `m` is the mechanism at the instant of the failure. */
@@ -189,21 +187,23 @@ static void describe_reason(const Mechanism *m, Outcome outcome, char text[REASO
         case OUTCOME_LOST: describe_loss(m, text); return;
         case OUTCOME_NOT_FINITE: snprintf(text, REASON_SIZE, "the motion leaves the range of numbers"); return;
         case OUTCOME_TOO_MANY_WEDGES: snprintf(text, REASON_SIZE, "the contacts wedge and let go without end"); return;
-        case OUTCOME_TOO_MUCH_WORK: snprintf(text, REASON_SIZE, "the step needs too many evaluations of the motion"); return;
+        case OUTCOME_TOO_MUCH_WORK:
+            snprintf(text, REASON_SIZE, "the step needs too many evaluations of the motion");
+            return;
         default: snprintf(text, REASON_SIZE, "the step needs too many segments");
     }
 }
 
 /* Describes why a step of h seconds is refused; undo() has brought `m` back to the start of the step. */
 static void describe_failure(Fault *fault, const Mechanism *m, double h, const char *reason) {
-    snprintf(fault->text, sizeof fault->text,
-             "step of %s s at theta = %s, omega = %s, tau = %s: %s; allowed are finite values and "
-             "at most %d segments, %d wedges and %d evaluations of the motion; any %d segments in a row must advance %g "
-             "of the step",
-             shortest_decimal(h).text, shortest_decimal(m->state.theta.hi).text,
-             shortest_decimal(m->state.omega.hi).text, shortest_decimal(m->inputs.tau[0]).text, reason,
-             (int)MAX_SEGMENTS_PER_STEP, (int)MAX_WEDGES_PER_STEP, (int)work_of_call(m->work_limit).most, (int)STALL_GUARD_SEGMENTS,
-             STALL_GUARD_PROGRESS);
+    snprintf(
+        fault->text, sizeof fault->text,
+        "step of %s s at theta = %s, omega = %s, tau = %s: %s; allowed are finite values and "
+        "at most %d segments, %d wedges and %d evaluations of the motion; any %d segments in a row must advance %g "
+        "of the step",
+        shortest_decimal(h).text, shortest_decimal(m->state.theta.hi).text, shortest_decimal(m->state.omega.hi).text,
+        shortest_decimal(m->inputs.tau[0]).text, reason, (int)MAX_SEGMENTS_PER_STEP, (int)MAX_WEDGES_PER_STEP,
+        (int)work_of_call(m->work_limit).most, (int)STALL_GUARD_SEGMENTS, STALL_GUARD_PROGRESS);
 }
 
 /* Do the inputs stay finite in the step? */

@@ -11,12 +11,12 @@
 #include "model/params.h"
 
 typedef struct {
-    double radius[2];      /* m, r_i */
-    double friction[2];    /* mu_i; cam_geometry() sets those at rest, where they depend on the load those at N_ref */
+    double radius[2];   /* m, r_i */
+    double friction[2]; /* mu_i; cam_geometry() sets those at rest, where they depend on the load those at N_ref */
     double friction_by_log_load[2]; /* F_0 dmu_i/dF_0; cam_geometry() sets 0 */
-    double slope[2];       /* m/rad, a_i = r_i tan(lambda_i) */
-    double dpsi_dtheta[2]; /* gamma' and phi', the shares of theta that the pin turns in cam 1 and in cam 2 */
-    double dz_dtheta;      /* m/rad, z' */
+    double slope[2];                /* m/rad, a_i = r_i tan(lambda_i) */
+    double dpsi_dtheta[2];          /* gamma' and phi', the shares of theta that the pin turns in cam 1 and in cam 2 */
+    double dz_dtheta;               /* m/rad, z' */
 } Geometry;
 
 /* The kinematics where the grooves have these slopes. */

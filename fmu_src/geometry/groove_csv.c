@@ -64,4 +64,3 @@ void samples_free(Samples *samples) {
     free(samples->sample);
     *samples = (Samples){.sample = NULL};
 }
-

@@ -93,4 +93,3 @@ bool groove_pair_refuse_level(const Params *p, double theta, double z, Fault *fa
              first.text, second.text, theta, z);
     return false;
 }
-

@@ -74,4 +74,3 @@ bool transmission_build(Transmission *transmission, const Params *p, const char 
     else transmission_free(transmission);
     return good;
 }
-

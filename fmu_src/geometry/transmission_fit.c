@@ -257,4 +257,3 @@ bool transmission_fit(Transmission *transmission, const Params *p, Fault *fault)
     free(breakpoint);
     return good;
 }
-

@@ -5,9 +5,9 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "contact/domain.h"
 #include "geometry/transmission.h"
 #include "inverse/imposed_motion.h"
-#include "contact/domain.h"
 #include "model/friction_table_load.h"
 #include "model/ledger.h"
 #include "model/mode.h"
@@ -16,14 +16,14 @@
 
 /* At the latest communication point. */
 typedef struct {
-    double theta;      /* rad, the imposed angle */
-    double omega;      /* rad/s, the imposed speed */
-    double cam;        /* rad, angle of cam 2; equal to theta where the shaft is rigid */
-    int64_t events;    /* number of mode changes so far */
+    double theta;           /* rad, the imposed angle */
+    double omega;           /* rad/s, the imposed speed */
+    double cam;             /* rad, angle of cam 2; equal to theta where the shaft is rigid */
+    int64_t events;         /* number of mode changes so far */
     double F_ext_at_start;  /* N, under which the friction class was found (contact/domain.h) */
     int64_t friction_class; /* FrictionClass */
-    Mode mode;         /* rigid shaft: stick (omega = 0), loading or releasing; elastic shaft: the mode of cam 2 */
-    int32_t direction; /* of the last motion, +1 or -1 */
+    Mode mode;              /* rigid shaft: stick (omega = 0), loading or releasing; elastic shaft: the mode of cam 2 */
+    int32_t direction;      /* of the last motion, +1 or -1 */
     Ledger ledger;
 } InverseState;
 

@@ -242,4 +242,3 @@ bool csv_row(CsvFile *csv, int columns, const char *form, double value[]) {
     char text[QUOTED_LINE + 1];
     return good || csv_refuse(csv, "line %zu, \"%s\", must be %s", csv->line, quoted_line(line, text), form);
 }
-

@@ -57,8 +57,9 @@ FrictionCoefficient friction_at(const CamParams *cam, double v, double N) {
 NOINLINE VectorFriction friction_on_patch(Vector2 sign, const FrictionPatch *patch, const FrictionPiece *piece,
                                           Vector2 v, Vector2 load2) {
     const Vector2 least = {DBL_MIN, DBL_MIN}; /* no load: beyond the first one */
-    const Vector2 b = vector2_min(
-        vector2_max((0.5 * vector2_log(vector2_max(load2, least)) - patch->from) * patch->per, patch->low), patch->high);
+    const Vector2 b =
+        vector2_min(vector2_max((0.5 * vector2_log(vector2_max(load2, least)) - patch->from) * patch->per, patch->low),
+                    patch->high);
     const Vector2 t =
         vector2_min(vector2_max((v - piece->lower) * piece->per_width, (Vector2){-0.25, -0.25}), (Vector2){1.25, 1.25});
     Vector2 u = {0.0, 0.0}, by_t = {0.0, 0.0};

@@ -50,7 +50,8 @@ static inline bool any_friction_varies(const Params *p) {
     const FrictionParams *a = &p->cam[0].law, *b = &p->cam[1].law;
     const bool coulomb = a->peak + b->peak == 2.0 && a->viscous + b->viscous == 0.0 &&
                          fabs(a->load_exponent) + fabs(b->load_exponent) == 0.0;
-    return !(coulomb && !a->table && !b->table) && (any_friction_depends_on_speed(p) || any_friction_depends_on_load(p));
+    return !(coulomb && !a->table && !b->table) &&
+           (any_friction_depends_on_speed(p) || any_friction_depends_on_load(p));
 }
 
 /* mu and its derivatives at v, m/s, and N >= 0, N, of one contact. A negative v, at which an iteration may look, continues
@@ -162,7 +163,8 @@ typedef struct {
 } FrictionLoadStart;
 
 /* The same, where the load is near to that at the start by the binomial series. */
-static inline Vector2 friction_load_power_near(const FrictionNearby *near, const FrictionLoadStart *start, Vector2 load2) {
+static inline Vector2 friction_load_power_near(const FrictionNearby *near, const FrictionLoadStart *start,
+                                               Vector2 load2) {
     const Vector2 u = (load2 - start->load2) * start->per;
     if (!vector2_is_within(u, LOAD_POWER_NEAR)) return friction_load_power(near->half_exponent, load2);
     const Vector2 *c = near->binomial;

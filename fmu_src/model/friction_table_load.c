@@ -329,8 +329,8 @@ static void free_unless_in(const FrictionTables *kept, FrictionTables *tables) {
         if (tables->table[i] != kept->table[i]) free_table(tables->table[i]);
 }
 
-bool friction_tables_load(Params *params, const FrictionTables *now, const char *resources,
-                                  FrictionTables *made, Fault *fault) {
+bool friction_tables_load(Params *params, const FrictionTables *now, const char *resources, FrictionTables *made,
+                          Fault *fault) {
     *made = (FrictionTables){.table = {NULL, NULL}};
     for (int i = 0; i < 2; i++) {
         const char *path = params->friction_table[i];
@@ -357,4 +357,3 @@ void friction_tables_free(FrictionTables *tables) {
         tables->table[i] = NULL;
     }
 }
-

@@ -370,7 +370,7 @@ static const double STICK_TIES_OF_NO_SLIP = 2.0;
 
 /* A collocation step ends on a change of flanks to its own rounding: this many times the rounding of one balance. Share of
  * the terms of alpha, or without inertia of omega, below which it is rounding. */
-static const double CANDIDATE_COARSE = 10.0, CANDIDATE_ROUNDING = 1e-11;
+static const double CANDIDATE_COARSE = 10.0, CANDIDATE_ROUNDING = 1e-11, CANDIDATE_TIES = 2.0;
 
 /* Rounding of theta, as a share of the largest angle, over REACTION_ZERO_SHARE: a reaction that is smaller than the
  * effect of this rounding counts as zero. */

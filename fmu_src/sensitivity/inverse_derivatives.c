@@ -150,4 +150,3 @@ void inverse_derivatives(const Inverse *m, InverseDerivatives *out) {
     };
     if (!is_elastic) out->z[0] = required.statics.geometry.dz_dtheta * m->inputs.omega[0];
 }
-

@@ -119,4 +119,3 @@ bool inverse_axial_partials(const Inverse *m, int order, Partials *out, Fault *f
     rigid_axial_partials(m, order, out);
     return true;
 }
-

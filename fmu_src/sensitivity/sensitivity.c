@@ -54,4 +54,3 @@ bool mechanism_alpha_partials(const Mechanism *m, Partials *out, Fault *fault) {
         if (k != KNOWN_ALPHA) out->by[k] = -residual.by[k] / residual.by[KNOWN_ALPHA];
     return true;
 }
-

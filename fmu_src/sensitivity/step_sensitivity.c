@@ -267,8 +267,7 @@ static double after_decision(StepVisitor *visitor, const Mechanism *m, double le
     return left;
 }
 
-static bool after_segment(StepVisitor *visitor, const Mechanism *m, const Segment *segment,
-                                  const SegmentPast *past) {
+static bool after_segment(StepVisitor *visitor, const Mechanism *m, const Segment *segment, const SegmentPast *past) {
     Carrier *c = (Carrier *)visitor;
     if (!carry(m, segment, &past->inputs, past->mode, &c->carried)) return false;
     pass_event(m, segment->end, past->omega, &c->carried);
@@ -322,4 +321,3 @@ void step_sensitivity(const Mechanism *m, bool by_parameters, StepSensitivity *o
     }
     leave_out_peaks(&again.params, out);
 }
-
