@@ -34,7 +34,7 @@ class FrictionSample(NamedTuple):
     """One line of a friction table."""
 
     speed: float  # m/s
-    load: float  # N, reaction of one contact; 0 where the table has no loads
+    load: float  # N, nominal load of one contact; 0 where the table has no loads
     mu: float
 
 
