@@ -44,12 +44,12 @@ typedef int64_t TypeOf_COUNT;
 typedef bool TypeOf_BOOLEAN;
 typedef char *TypeOf_TEXT;
 
-#define VARIABLE(model, vr, kind, id, group, field, ...)                                                                   \
+#define VARIABLE(model, vr, kind, id, group, field, ...)                                                               \
     IN_##model(_Static_assert(_Generic(((Values *)0)->PATH_##group.field, TypeOf_##kind: 1, default: 0),               \
                               #id ": field of another type");)
 #include "variables.def"
 
-#define VARIABLE(model, vr, kind, id, group, field, name, causality, variability, ...)                                     \
+#define VARIABLE(model, vr, kind, id, group, field, name, causality, variability, ...)                                 \
     IN_##model(_Static_assert(VARIABILITY_##variability != VARIABILITY_TUNABLE || KIND_##kind == KIND_REAL ||          \
                                   KIND_##kind == KIND_INTEGER,                                                         \
                               #id ": only a Real or an Integer can be tunable");)
@@ -65,7 +65,7 @@ enum {
 };
 
 const Variable VARIABLES[REFERENCE_END] = {
-#define VARIABLE(model_, vr, kind_, id, group_, field, name_, causality_, variability_, unit_, start_, min_, max_,         \
+#define VARIABLE(model_, vr, kind_, id, group_, field, name_, causality_, variability_, unit_, start_, min_, max_,     \
                  nominal_, text)                                                                                       \
     IN_##model_([VR_##id] = {.offset = offsetof(Values, PATH_##group_.field),                                          \
                              .group = GROUP_##group_,                                                                  \
@@ -86,7 +86,8 @@ const Variable VARIABLES[REFERENCE_END] = {
 #define LIMITS_INDEPENDENT LIMITS_LOCAL
 
 const Limits LIMITS[START_END] = {
-#define VARIABLE(model, vr, kind, id, group, field, name, causality, variability, unit, start, min, max, nominal, text)    \
+#define VARIABLE(model, vr, kind, id, group, field, name, causality, variability, unit, start, min, max, nominal,      \
+                 text)                                                                                                 \
     IN_##model(LIMITS_##causality(id, min, max, nominal))
 #include "variables.def"
 };
@@ -127,20 +128,19 @@ __attribute__((used)) static const volatile StartBlock START_BLOCK = {
     .guid = MODEL_GUID,
     .number =
         {
-#define VARIABLE(model, vr, kind, id, group, field, name, causality, variability, unit, start, ...)                        \
+#define VARIABLE(model, vr, kind, id, group, field, name, causality, variability, unit, start, ...)                    \
     IN_##model(NUMBER_OF_##causality(id, NUMBER_##kind(id, start)))
 #include "variables.def"
         },
     .text =
         {
-#define VARIABLE(model, vr, kind, id, group, field, name, causality, variability, unit, start, ...)                        \
+#define VARIABLE(model, vr, kind, id, group, field, name, causality, variability, unit, start, ...)                    \
     IN_##model(START_TEXT_##kind(id, start))
 #include "platform/attributes.h"
 #include "variables.def"
         },
 };
-_Static_assert(sizeof(StartBlock) ==
-                   48 + GUID_SIZE + START_END * sizeof(double) + (size_t)TEXT_COUNT * START_TEXT_SIZE,
+_Static_assert(sizeof(StartBlock) == 48 + GUID_SIZE + START_END * sizeof(double) + (size_t)TEXT_COUNT * START_TEXT_SIZE,
                "padding in StartBlock");
 _Static_assert((int)START_TEXT_SIZE <= (int)TABLE_PATH_SIZE, "a start value of a text must fit into the parameter");
 

@@ -129,13 +129,15 @@ void put_types(Sink *sink, void (*put_type)(Sink *sink, const Unit *unit)) {
 /* ---- variables ---- */
 
 static const char *const DESCRIPTIONS[] = {
-#define VARIABLE(model, vr, kind, id, group, field, name, causality, variability, unit, start, min, max, nominal, text)    \
+#define VARIABLE(model, vr, kind, id, group, field, name, causality, variability, unit, start, min, max, nominal,      \
+                 text)                                                                                                 \
     IN_##model([VR_##id] = text, )
 #include "variables.def"
 };
 
 static const Limits LIMITS_OF_ALL[] = {
-#define VARIABLE(model, vr, kind, id, group, field, name, causality, variability, unit, start, min, max, nominal, text)    \
+#define VARIABLE(model, vr, kind, id, group, field, name, causality, variability, unit, start, min, max, nominal,      \
+                 text)                                                                                                 \
     IN_##model([VR_##id] = {min, max, nominal}, )
 #include "variables.def"
 };
