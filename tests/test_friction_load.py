@@ -166,7 +166,7 @@ def test_without_inertia_the_angle_is_on_the_edge_of_the_band(make_model):
     """The play: loading to rho_+(mu(N)) F_0 = tau, back to rho_-(mu(N)) F_0 = tau, and loading again."""
     p = LOADED | {"inertia.shaft": 0.0}
     fmu = make_model(FORWARD).start(p)
-    for tau, sigma in ((9.0, 1), (2.0, -1), (12.0, 1)):
+    for tau, sigma in ((9.0, 1), (2.0, -1), (8.0, 1)):
         fmu.step(0.1, tau=tau)
         cams = Helices(p, sigma)
         theta = brentq(lambda x: cams.edge(50 + 50000 * cams.dz * x) - tau, 0.0, 1.3963, xtol=1e-15)  # noqa: B023
@@ -387,10 +387,10 @@ def test_jam_under_the_spring_is_refused(make_model):
     assert "friction" in fmu.refused_start()
 
 
-@pytest.mark.parametrize("damper", ["damper.c_load", "shaft.damping"])
-def test_damping_asks_for_an_inertia(make_model, damper):
+def test_a_damper_asks_for_an_inertia(make_model):
+    """Its force is part of the load, so that the coefficient would depend on the unknown speed."""
     fmu = make_model(FORWARD)
-    fmu.set({"cam2.friction_load_exponent": -0.2, "inertia.shaft": 0.0, damper: 10.0})
+    fmu.set({"cam2.friction_load_exponent": -0.2, "inertia.shaft": 0.0, "damper.c_load": 10.0})
     fmu.setup()
     fmu.ok("fmi2EnterInitializationMode")
     assert "inertia.shaft" in fmu.refused_start()

@@ -80,7 +80,7 @@ class Mechanism:
         self.linear = self.linear and not self.friction_varies and not self.is_loaded
         if not self.inertial and self.friction_varies:
             raise Refused("friction that varies with the speed needs an inertia")
-        if not self.inertial and self.is_loaded and (self.viscous(+1) or self.viscous(-1)):
+        if not self.inertial and self.is_loaded and any(map(any, self.damper.values())):
             raise Refused("friction that depends on the load of a damper needs an inertia")
 
     def _grooves(self, p: Params) -> Helices | Grooves:
@@ -193,7 +193,7 @@ class Mechanism:
             alpha = drive / mass
         else:
             alpha = omega * 0
-            q = self.balance(kin, slip)
+            q = self.balance(kin, slip, 0, f0)
             omega = self._damped_speed(kin, q, slip.sigma, tau, f0)
             force = f0 + self.damper_force(slip.sigma, kin.dz * omega)
         axial = force + self.m * (kin.dz * alpha + kin.ddz * omega**2)
