@@ -26,8 +26,6 @@ LAW = {
 }  # fmt: skip
 
 
-COULOMB = {f"cam{i}.{name}": value for i in (1, 2) for name, value in {**LAW, "friction_table": ""}.items()}
-
 
 def random_law(rng, folder):
     """A law for each cam: Stribeck's, a lubricated branch, or a table, and perhaps one over the load."""
@@ -244,14 +242,13 @@ class Watch:
         return done
 
 
-@pytest.mark.parametrize("regime", ["inertial", "viscous"])
-def test_forward_forces_obey_the_law(make_model, tmp_path, regime):
-    rng = np.random.default_rng([18, len(regime)])
+def test_forward_forces_obey_the_law(make_model, tmp_path):
+    rng = np.random.default_rng([18, 8])
     seen, events, varied, refused = dict.fromkeys(range(1, 7), 0), 0, 0, 0
     for _ in range(40):
-        pin, values = random_mechanism(rng, tmp_path, regime=regime)
+        pin, values = random_mechanism(rng, tmp_path, regime="inertial")
         values = {"inertia.follower_mass": 0.0, "inertia.follower": 0.0, **values}
-        values |= random_law(rng, tmp_path) if regime == "inertial" else COULOMB
+        values |= random_law(rng, tmp_path)
         watch = Watch(make_model(FORWARD).start(values), pin, values)
         for _ in range(12):
             h = 10.0 ** rng.uniform(-4, -1.5)
@@ -264,7 +261,7 @@ def test_forward_forces_obey_the_law(make_model, tmp_path, regime):
         varied += watch.varied
     assert min(seen[mode] for mode in (STICK, LOADING, RELEASING, LOWER_STOP, UPPER_STOP)) >= 3, seen
     assert events >= 100, events
-    assert varied >= 100 or regime == "viscous", varied
+    assert varied >= 100, varied
     assert refused <= 4, refused
 
 
