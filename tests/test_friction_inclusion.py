@@ -26,7 +26,6 @@ LAW = {
 }  # fmt: skip
 
 
-
 def random_law(rng, folder):
     """A law for each cam: Stribeck's, a lubricated branch, or a table, and perhaps one over the load."""
     drawn_laws = {}
