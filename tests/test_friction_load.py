@@ -9,7 +9,7 @@ import test_model_exchange as exchange
 import test_output_derivatives as output_derivatives
 import test_step_sensitivity as step_sensitivity
 from driver import Driver, models
-from friction_scenes import LOADED_FILE, load
+from friction_scenes import LOADED_FILE, LOADED_WANTED, load
 from reference.friction import FrictionLaw
 from reference.parameters import DEFAULTS
 from scipy.optimize import brentq
@@ -424,5 +424,5 @@ def test_random_scenes(tolerance, make_model, scenes):
 
 def test_random_scenes_are_varied(scenes):
     exponents = [s.params.get(f"cam{i}.friction_load_exponent", 0.0) for s in scenes for i in (1, 2)]
-    assert len(scenes) == 200 and min(exponents) < -0.3 and max(exponents) > 0.3
+    assert len(scenes) == LOADED_WANTED and min(exponents) < -0.3 and max(exponents) > 0.3
     assert {s.params.get("cam1.profile", 1) for s in scenes} == {1, 2, 3}
