@@ -26,13 +26,13 @@ LAW = {
 }  # fmt: skip
 
 
-def random_law(rng, folder, inertial):
-    """A law for each cam: Stribeck's, a lubricated branch, or a table. Without inertia friction grows."""
+def random_law(rng, folder):
+    """A law for each cam: Stribeck's, a lubricated branch, or a table, and perhaps one over the load."""
     drawn_laws = {}
     for i in (1, 2):
         kind = rng.choice(["stribeck", "branch", "table", "coulomb"], p=[0.4, 0.25, 0.25, 0.1])
         cam = dict(LAW)
-        if kind == "stribeck" and inertial:
+        if kind == "stribeck":
             cam |= {
                 "friction_peak": float(rng.uniform(1.0, 3.0)),
                 "stribeck_velocity": float(10.0 ** rng.uniform(-3.0, -0.5)),
@@ -40,12 +40,12 @@ def random_law(rng, folder, inertial):
             }
         if kind in ("stribeck", "branch"):
             cam["friction_viscous"] = float(10.0 ** rng.uniform(-3.0, -0.3))
-        if inertial and rng.random() < 0.3:
+        if rng.random() < 0.3:
             cam["friction_load_exponent"] = float(rng.uniform(-0.4, 0.4))
             cam["friction_load"] = float(10.0 ** rng.uniform(1.0, 3.0))
         drawn_laws |= {f"cam{i}.{name}": value for name, value in cam.items()}
         drawn_laws[f"cam{i}.friction_table"] = ""
-        if kind == "table" and inertial:
+        if kind == "table":
             path = folder / f"law-{rng.integers(2**40):x}.csv"
             drawn_laws[f"cam{i}.friction_table"] = write(path, *drawn(rng))
     return drawn_laws
@@ -79,8 +79,12 @@ def laws_of(values):
 
 
 def coefficients(forces, values):
-    """mu of each contact; its argument is the reaction of one of them."""
-    loads = [reaction / values["contacts"] for reaction in forces.reaction]
+    """mu of each contact, under N_i = |F| a_j hypot(r_i, a_i)/(n r_i (a_1 + a_2)) of one of its ends."""
+    place = forces.place
+    force = spring_force(values, place.z) + forces.F_ext
+    force += damper_force(values, place.lift * forces.omega)
+    shares = place.turn, 1.0 - place.turn
+    loads = [abs(force) * shares[i] * place.length(i) / place.r[i] / values["contacts"] for i in (0, 1)]
     return [law.at(abs(forces.sliding(i)), loads[i]) for i, law in enumerate(laws_of(values))]
 
 
@@ -148,7 +152,7 @@ def can_hold(place, mu, torque, load, slack):
 def rest_is_held(forces, values, mode):
     """At rest both contacts stay inside their cones, with the static coefficients. A stop takes the torque
     that presses into the stop."""
-    place, mu = forces.place, [law.static for law in laws_of(values)]
+    place, mu = forces.place, coefficients(forces, values)
     if forces.omega != 0.0:
         return False
     load = spring_force(values, place.z) + forces.F_ext
@@ -177,9 +181,7 @@ class Watch:
         self.seen[mode] += 1
         where = (values, forces, mode)
         if mode not in (LOADING, RELEASING):
-            # Where friction depends on the load, the static coefficients are not known.
-            if not any(law.is_loaded for law in laws_of(values)):
-                assert rest_is_held(forces, values, mode), where
+            assert rest_is_held(forces, values, mode), where
             return
         direction = 1 if mode == LOADING else -1
         assert direction * forces.omega >= 0.0, where
@@ -196,7 +198,6 @@ class Watch:
         if rates:
             self.fmu.set_derivatives(rates)
         if self.fmu.call("fmi2DoStep", self.fmu.time, end - start, 1) != OK:
-            assert "no speed balances" in self.fmu.messages[-1].text
             return False
         self.fmu.time += end - start
         return True
@@ -240,14 +241,13 @@ class Watch:
         return done
 
 
-@pytest.mark.parametrize("regime", ["inertial", "viscous"])
-def test_forward_forces_obey_the_law(make_model, tmp_path, regime):
-    rng = np.random.default_rng([18, len(regime)])
+def test_forward_forces_obey_the_law(make_model, tmp_path):
+    rng = np.random.default_rng([18, 8])
     seen, events, varied, refused = dict.fromkeys(range(1, 7), 0), 0, 0, 0
     for _ in range(40):
-        pin, values = random_mechanism(rng, tmp_path, regime=regime)
+        pin, values = random_mechanism(rng, tmp_path, regime="inertial")
         values = {"inertia.follower_mass": 0.0, "inertia.follower": 0.0, **values}
-        values |= random_law(rng, tmp_path, regime == "inertial")
+        values |= random_law(rng, tmp_path)
         watch = Watch(make_model(FORWARD).start(values), pin, values)
         for _ in range(12):
             h = 10.0 ** rng.uniform(-4, -1.5)
@@ -271,7 +271,7 @@ def test_inverse_forces_obey_the_law(make_model, tmp_path):
     for _ in range(40):
         pin, values = random_mechanism(rng, tmp_path)
         values = {"inertia.follower_mass": 0.0, "inertia.follower": 0.0, **values}
-        values |= random_law(rng, tmp_path, True)
+        values |= random_law(rng, tmp_path)
         given = {
             n: v for n, v in values.items() if n not in ("initial.theta", "initial.omega", "stop.restitution")
         }

@@ -9,7 +9,7 @@ import test_model_exchange as exchange
 import test_output_derivatives as output_derivatives
 import test_step_sensitivity as step_sensitivity
 from driver import Driver, models
-from friction_scenes import LOADED_FILE, load
+from friction_scenes import LOADED_FILE, LOADED_WANTED, load
 from reference.friction import FrictionLaw
 from reference.parameters import DEFAULTS
 from scipy.optimize import brentq
@@ -166,7 +166,7 @@ def test_without_inertia_the_angle_is_on_the_edge_of_the_band(make_model):
     """The play: loading to rho_+(mu(N)) F_0 = tau, back to rho_-(mu(N)) F_0 = tau, and loading again."""
     p = LOADED | {"inertia.shaft": 0.0}
     fmu = make_model(FORWARD).start(p)
-    for tau, sigma in ((9.0, 1), (2.0, -1), (12.0, 1)):
+    for tau, sigma in ((9.0, 1), (2.0, -1), (8.0, 1)):
         fmu.step(0.1, tau=tau)
         cams = Helices(p, sigma)
         theta = brentq(lambda x: cams.edge(50 + 50000 * cams.dz * x) - tau, 0.0, 1.3963, xtol=1e-15)  # noqa: B023
@@ -387,10 +387,10 @@ def test_jam_under_the_spring_is_refused(make_model):
     assert "friction" in fmu.refused_start()
 
 
-@pytest.mark.parametrize("damper", ["damper.c_load", "shaft.damping"])
-def test_damping_asks_for_an_inertia(make_model, damper):
+def test_a_damper_asks_for_an_inertia(make_model):
+    """Its force is part of the load, so that the coefficient would depend on the unknown speed."""
     fmu = make_model(FORWARD)
-    fmu.set({"cam2.friction_load_exponent": -0.2, "inertia.shaft": 0.0, damper: 10.0})
+    fmu.set({"cam2.friction_load_exponent": -0.2, "inertia.shaft": 0.0, "damper.c_load": 10.0})
     fmu.setup()
     fmu.ok("fmi2EnterInitializationMode")
     assert "inertia.shaft" in fmu.refused_start()
@@ -424,5 +424,5 @@ def test_random_scenes(tolerance, make_model, scenes):
 
 def test_random_scenes_are_varied(scenes):
     exponents = [s.params.get(f"cam{i}.friction_load_exponent", 0.0) for s in scenes for i in (1, 2)]
-    assert len(scenes) == 200 and min(exponents) < -0.3 and max(exponents) > 0.3
+    assert len(scenes) == LOADED_WANTED and min(exponents) < -0.3 and max(exponents) > 0.3
     assert {s.params.get("cam1.profile", 1) for s in scenes} == {1, 2, 3}

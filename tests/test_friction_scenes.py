@@ -10,7 +10,7 @@ from functools import partial
 import numpy as np
 import pytest
 from driver import models
-from friction_scenes import load
+from friction_scenes import WANTED, load
 from general_scenes import MEASURED, Scene, scales
 from reference import simulate
 from test_general_accuracy import TOLERANCES, allowed_errors, cuts, drive, short_cuts, title, verdict
@@ -74,7 +74,7 @@ def test_file_is_what_the_reference_computes(scenes):
 
 
 def test_scenes_are_varied(scenes):
-    assert len(scenes) == 200
+    assert len(scenes) == WANTED
     cams = [(s.params, f"cam{i}.") for s in scenes for i in (1, 2)]
     assert {p.get(f"{cam}stribeck_exponent") for p, cam in cams} >= {1, 2}
     assert sum(p.get(f"{cam}friction_viscous", 0.0) > 0 for p, cam in cams) > 100

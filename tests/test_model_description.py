@@ -243,11 +243,18 @@ def without_guid(text: str) -> list[str]:
     return [line for line in text.splitlines() if not re.search(r"guid=|instantiationToken=", line)]
 
 
+def next_reference() -> int:
+    """After the largest one of all rows."""
+    rows = (build_fmu.CORE / "variables.def").read_text(encoding="utf-8")
+    found = re.findall(r"^VARIABLE\(\w+, (?:EACH\((\d+), (\d+)\)|(\d+)),", rows, re.MULTILINE)
+    return 1 + max(int(number) for numbers in found for number in numbers if number)
+
+
 @pytest.mark.parametrize("version", build_fmu.ALL)
 def test_a_new_row_changes_its_own_lines_alone(model, version, tmp_path):
-    """It stands before rows of smaller value references. 147 is free in all FMUs."""
+    """It stands before rows of smaller value references."""
     row = (
-        'VARIABLE(BOTH, 147, REAL, NEW, PARAMS, cam[0].radius, "cam1.new", PARAMETER, FIXED, '
+        f'VARIABLE(BOTH, {next_reference()}, REAL, NEW, PARAMS, cam[0].radius, "cam1.new", PARAMETER, FIXED, '
         'METRE, 0.02, 0, 1, 1, "New")'
     )
     folder = ROOT / "modelDescription" / ("" if version == 2 else "fmi3")
@@ -256,7 +263,7 @@ def test_a_new_row_changes_its_own_lines_alone(model, version, tmp_path):
     changes = [line for line in difflib.ndiff(before, after) if line[0] in "+-"]
     assert len(changes) == (3 if version == 2 else 1)
     assert all(line.startswith("+") for line in changes)
-    assert 'name="cam1.new" valueReference="147"' in changes[0]
+    assert f'name="cam1.new" valueReference="{next_reference()}"' in changes[0]
 
 
 def test_two_rows_of_one_reference_do_not_compile(tmp_path):

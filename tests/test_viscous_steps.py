@@ -69,15 +69,11 @@ def test_an_accepted_step_keeps_the_tolerance(make_model, tolerance):
         assert abs(fmu.get("theta") - way.y[0, -1]) <= tolerance * distance
 
 
-@pytest.mark.parametrize(
-    "exponent", [0.0, 1e-12]
-)  # of the load: the same law to the tolerance, by other code
 @pytest.mark.parametrize("tau", [1.0, 3.0])
-def test_speed_under_quadratic_damping_alone(make_model, exponent, tau):
+def test_speed_under_quadratic_damping_alone(make_model, tau):
     """Two helices under a constant force: q v^2 = tau/rho - F, from the first instant on."""
     quadratic = {"damper.q_load": SQUARE, "spring.stiffness": 0.0, "inertia.shaft": 0.0, "stop.upper": 10.0}
-    law = {f"cam{i}.friction_load_exponent": exponent for i in (1, 2)}
-    fmu = make_model(models["DualCamForward"]).start(quadratic | law)
+    fmu = make_model(models["DualCamForward"]).start(quadratic)
     omega = math.sqrt((tau / RHO[1] - PRELOAD) / SQUARE) / LIFT
     for _ in range(3):
         fmu.step(0.01, tau=tau)

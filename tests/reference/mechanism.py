@@ -80,7 +80,7 @@ class Mechanism:
         self.linear = self.linear and not self.friction_varies and not self.is_loaded
         if not self.inertial and self.friction_varies:
             raise Refused("friction that varies with the speed needs an inertia")
-        if not self.inertial and self.is_loaded and (self.viscous(+1) or self.viscous(-1)):
+        if not self.inertial and self.is_loaded and any(map(any, self.damper.values())):
             raise Refused("friction that depends on the load of a damper needs an inertia")
 
     def _grooves(self, p: Params) -> Helices | Grooves:
@@ -169,14 +169,28 @@ class Mechanism:
         """Edge of the stick band per unit of F_0 > 0 for motion in `direction`; None if no torque starts it.
         F_0 < 0 mirrors: the ratio for (sigma, F_0) is that for direction sigma * sign(F_0). Where friction
         depends on the load, the ratio is that under f0."""
+        pair = self.static_pair(kin, direction, f0)
+        if pair is None:
+            return None
+        q = self.balance(kin, pair, 0, f0)
+        return q.product / q.delta
+
+    def static_pair(self, kin: Kinematics, direction: int, f0: Number | None = None) -> Slip | None:
+        """The flanks on that edge: the first pair that agrees with its own reactions."""
         for e in [(1, 1), (1, -1), (-1, 1), (-1, -1)] if direction < 0 else [(1, 1)]:
             q = self.balance(kin, Slip(direction, e), 0, f0)
             if q.delta == 0 or (direction > 0 and q.delta < 0):
                 continue
             x1, x2 = self.r2 * q.n2 / q.delta, self.r1 * q.n1 / q.delta
             if (e[0] * x1 >= 0 or self.mu1 == 0) and (e[1] * x2 >= 0 or self.mu2 == 0):
-                return q.product / q.delta
+                return Slip(direction, e)
         return None
+
+    def felt_inertia(self, kin: Kinematics, slip: Slip, f0: Number) -> Number:
+        """kg.m2: D/Delta of docs/mechanism.md, section 3, at rest."""
+        q = self.balance(kin, slip, 0, f0)
+        carried = q.d1 * self.r2 * q.n2 * self.I * kin.dgamma
+        return self.J + (carried + q.product * self.m * kin.dz) / q.delta
 
     def load(self, kin: Kinematics, slip: Slip, omega: Number, tau: Number, f_ext: Number) -> Load:
         """Acceleration (with inertia) or speed (without) and the contact loads, by elimination."""
@@ -193,7 +207,7 @@ class Mechanism:
             alpha = drive / mass
         else:
             alpha = omega * 0
-            q = self.balance(kin, slip)
+            q = self.balance(kin, slip, 0, f0)
             omega = self._damped_speed(kin, q, slip.sigma, tau, f0)
             force = f0 + self.damper_force(slip.sigma, kin.dz * omega)
         axial = force + self.m * (kin.dz * alpha + kin.ddz * omega**2)

@@ -18,7 +18,7 @@ from .scene import Interval
 from .simulation import simulate
 
 HELICAL_EVERY = 3  # every third scene has helical grooves
-ANGLES = 41  # at which the scene must load
+ANGLES = 401  # at which the scene must be in the domain
 
 
 def random_friction_scene(
@@ -65,15 +65,21 @@ def _with_law(
         if rng.random() < 0.5:
             params[f"cam{i}.friction_viscous"] = friction / speed * log_uniform(rng, 0.03, 1.0)
             varies = True
-    return params if varies and _loads(params) else None
+    return params if varies and is_in_domain(params) else None
 
 
-def _loads(params: Params) -> bool:
-    """Does a torque load everywhere, with the static coefficients?"""
+def is_in_domain(params: Params) -> bool:
+    """Does a torque load everywhere, and does the pair that releases feel a positive inertia, with the static
+    coefficients under the spring's force and, where friction falls with the load, without load?"""
     mechanism = Mechanism(params, DOUBLE)
     for theta in np.linspace(mechanism.lower, mechanism.upper, ANGLES):
         kin = mechanism.groove.at(float(theta))
-        up = mechanism.static_ratio(kin, 1, mechanism.spring_force(kin.z))
+        force = mechanism.spring_force(kin.z)
+        up = mechanism.static_ratio(kin, 1, force)
         if up is None or not 0 <= up < 20 * (kin.dz + 0.2 * mechanism.reach):
             return False
+        for axial in (force, 0.0):
+            pair = mechanism.static_pair(kin, -1, axial)
+            if pair is not None and not mechanism.felt_inertia(kin, pair, axial) > 0:
+                return False
     return True

@@ -38,7 +38,7 @@ from reference import Refused, random_friction_scene, read_table, simulate
 
 FILE = Path(__file__).resolve().parents[1] / "data" / "friction_scenes.json.gz"
 LOADED_FILE = FILE.with_name("friction_load_scenes.json.gz")  # friction depends on the load as well
-WANTED, LOADED_WANTED = 200, 200
+WANTED, LOADED_WANTED = 173, 190
 SEED = 18
 
 

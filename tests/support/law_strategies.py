@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from hypothesis.strategies import SearchStrategy
 
 MASSES = ("inertia.shaft", "inertia.follower_mass", "inertia.follower")
-DAMPING = ("damper.c_load", "damper.c_release", "damper.q_load", "damper.q_release", "shaft.damping")
+DAMPER = ("damper.c_load", "damper.c_release", "damper.q_load", "damper.q_release")
 LARGEST_POWER = 0.9  # of the load
 
 
@@ -70,7 +70,7 @@ def friction_laws(parameters: Mapping[str, Any], folder: Path) -> SearchStrategy
     """The laws of both cams: over the speed, and in every second draw over the load too. Without inertia
     friction takes no law over the speed, and beside a damper none over the load."""
     if not is_inertial(parameters):
-        return st.just({}) if any(parameters.get(name) for name in DAMPING) else LOAD_LAWS
+        return st.just({}) if any(parameters.get(name) for name in DAMPER) else LOAD_LAWS
     both = st.tuples(SPEED_LAWS, LOAD_LAWS).map(lambda pair: pair[0] | pair[1])
     tables = st.fixed_dictionaries({"cam1.friction_table": st.one_of(table_files(folder), st.just(""))})
     return st.one_of(SPEED_LAWS, both, st.tuples(both, tables).map(lambda pair: pair[0] | pair[1]))
