@@ -350,9 +350,9 @@ class CamHysteresis(control.DescribingFunctionNonlinearity):
         -----
         LimitCycleWarning
             Once per finding: the FMU in the loop swings where no limit cycle is predicted, a prediction is
-            wrong by more than 10 % in amplitude or frequency, or a run ends pressed on a stop (a controller of
-            the wrong sign), with a torque that grows without end (an unstable controller) or without having
-            settled. Without the check: a prediction whose margin is too small (see LimitCycle), or a
+            wrong by more than 10 % in amplitude or frequency, or a run ends pressed on a stop (a controller
+            of the wrong sign), with a torque that grows without end (an unstable controller) or without
+            having settled. Without the check: a prediction whose margin is too small (see LimitCycle), or a
             controller that is unstable.
 
         Raises

@@ -345,9 +345,11 @@ def test_a_controller_with_the_wrong_sign_is_held_at_the_stops():
 
 
 def test_a_gain_of_the_wrong_sign_does_not_hold():
-    """Without an integral the torque stays the same on a stop: the cam rests there, but not where it should."""
+    """Without an integral the torque stays the same on a stop: the cam rests there, far from theta."""
+    controller = control.ss([], [], [], -50.0, PERIOD)
+    hysteresis = CamHysteresis(FORWARD, 0.5)
     with pytest.warns(LimitCycleWarning, match="sign of the controller"):
-        found = CamHysteresis(FORWARD, 0.5).limit_cycles(control.ss([], [], [], -50.0, PERIOD), duration=3.0)
+        found = hysteresis.limit_cycles(controller, duration=3.0)
     assert found.holds is False and found.predicted == () and found.simulated == ()
     assert [text.split(", the FMU")[0].count("rad (") for text in found.findings] == [2, 2]
 
