@@ -123,8 +123,9 @@ def linearize(
     Warns
     -----
     DualcamWarning
-        `tau` is more than 0.1 % beside the torque that keeps omega constant. The point is then no equilibrium:
-        the model's deviations are from a motion that leaves the point with the acceleration alpha.
+        `tau` is more than 0.1 % beside the torque that keeps omega constant. The point is then no
+        equilibrium: the model's deviations are from a motion that leaves the point with the acceleration
+        alpha.
 
     Raises
     ------

@@ -14,6 +14,7 @@ import dualcam
 from dualcam import OperatingPointError
 from dualcam.errors import DualcamWarning
 
+pytestmark = pytest.mark.filterwarnings("ignore:.*no equilibrium")
 
 def central(f, x, h):
     """Derivative by central differences of order 6."""
