@@ -41,6 +41,7 @@ from dataclasses import dataclass
 
 from dualcam.errors import CouplingError, UnstableCouplingWarning
 from dualcam.fmu import Fmu
+from dualcam.held_feedback import TorqueSwings, held_feedback_text
 from dualcam.plant import (
     DIFFERENCE,
     Impedance,
@@ -146,6 +147,8 @@ class PlantCoupling:
         self._sensitivity = fmu.reals(*STEP_SENSITIVITIES)
         self._warned = False
         self._checked = False
+        self._swings = TorqueSwings()
+        self._foreseen: float | None = None  # N.m, of the plant at the motion at the end of the last step
 
     def motion(self) -> ShaftMotion:
         """The motion of the shaft now."""
@@ -182,15 +185,14 @@ class PlantCoupling:
         """
         check_positive("size", size, "s")
         check_order(order)
-        begin = self._begin()
+        begin = self._begin(size)
         jerk = self._speed.read_derivatives(2)[0] if order == 2 else 0.0
         polynomial = torque_polynomial(self._plant_torque, begin, jerk, size, order)
         self._advance(size, polynomial[: order + 1])
         stability = self._stability(begin, size, order)
-        if stability and not stability.stable and not self._warned:
-            self._warned = True
-            warnings.warn(str(stability), UnstableCouplingWarning, stacklevel=2)
-        return CoupledStep(polynomial[0], self.motion(), 1, stability)
+        if stability and not stability.stable:
+            self._warn(str(stability))
+        return self._finished(CoupledStep(polynomial[0], self.motion(), 1, stability))
 
     def step_implicit(self, size: float, end_weight: float = 0.5) -> CoupledStep:
         """One step with the torque that suits the motion over the same step, by Newton's method.
@@ -222,7 +224,7 @@ class PlantCoupling:
         check_positive("size", size, "s")
         if not 0.5 <= end_weight <= 1.0:
             raise CouplingError(f"end_weight = {end_weight}: allowed is 0.5 to 1")
-        state, begin, torque = self.fmu.save_state(), self._begin(), self._tau.read()[0]
+        state, begin, torque = self.fmu.save_state(), self._begin(size), self._tau.read()[0]
         bracket = _Bracket()
         try:
             for trial in range(1, ITERATIONS + 1):
@@ -234,7 +236,7 @@ class PlantCoupling:
                 bracket.add(torque, residual)
                 allowed = TOLERANCE * max(1.0, abs(torque))
                 if abs(residual) <= allowed or bracket.width <= 1e-4 * allowed:
-                    return CoupledStep(torque, end, trial)
+                    return self._finished(CoupledStep(torque, end, trial))
                 torque = bracket.next_trial(torque, residual, slope)
         except BaseException:  # also what the plant itself raises
             self.fmu.restore_state(state)
@@ -268,8 +270,9 @@ class PlantCoupling:
         plant = self._plant_torque(motion)
         return torque - plant, 1.0 - (self._plant_torque(shifted) - plant) / shift
 
-    def _begin(self) -> ShaftMotion:
-        """The motion now. CouplingError before the first step if the plant changes when it is called."""
+    def _begin(self, size: float) -> ShaftMotion:
+        """The motion now. CouplingError before the first step if the plant changes when it is called; a
+        warning if feedback outside of the plant makes the loop unstable."""
         begin = self.motion()
         if not self._checked:
             first, second = self._plant_torque(begin), self._plant_torque(begin)
@@ -280,7 +283,24 @@ class PlantCoupling:
                     " states after the step"
                 )
             self._checked = True
+        if self._foreseen is not None:
+            torque = self._plant_torque(begin)
+            if torque != self._foreseen:
+                self._warn(held_feedback_text(self._swings, size, self._foreseen, torque))
         return begin
+
+    def _finished(self, step: CoupledStep) -> CoupledStep:
+        """The step, after a look at the torques so far."""
+        self._swings.add(step.torque)
+        suspicious = not self._warned and self._swings.are_unstable
+        self._foreseen = self._plant_torque(step.motion) if suspicious else None
+        return step
+
+    def _warn(self, text: str) -> None:
+        """Once per object."""
+        if not self._warned:
+            self._warned = True
+            warnings.warn(text, UnstableCouplingWarning, stacklevel=4)
 
     def _plant_torque(self, motion: ShaftMotion) -> float:
         returned = self.plant(motion)
