@@ -37,7 +37,11 @@ from __future__ import annotations
 
 import math
 import warnings
+from collections.abc import Callable
 from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
 
 from dualcam.errors import CouplingError, UnstableCouplingWarning
 from dualcam.fmu import Fmu
@@ -57,6 +61,7 @@ from dualcam.plant import (
     spectral_radius,
     torque_polynomial,
 )
+from dualcam.reals import Array
 
 __all__ = [
     "CoupledStep",
@@ -70,6 +75,7 @@ __all__ = [
     "largest_stable_step",
     "reflected_inertia",
     "spectral_radius",
+    "step_difference",
 ]
 
 STEP_SENSITIVITIES = ("step.dtheta_dtau", "step.domega_dtau")
@@ -108,8 +114,9 @@ class PlantCoupling:
     fmu : Fmu
         The forward FMU, started.
     plant : function of ShaftMotion
-        Torque of the plant on the shaft [N.m]. The function is called several times per step, so the function
-        must not change the plant's own states. Change those after the step, from the step's result.
+        Torque of the plant on the shaft [N.m]. All that depends on the motion at once belongs inside, also a
+        controller's voltage. The function is called several times per step, so the function must not change
+        the plant's own states. Change those after the step, from the step's result.
 
     Raises
     ------
@@ -174,8 +181,9 @@ class PlantCoupling:
         Warns
         -----
         UnstableCouplingWarning
-            Once per object, where the loop is unstable with this step. The text has the numbers, and what
-            works.
+            Once per object, where the loop is unstable with this step, or where feedback that is computed
+            outside the plant makes the torque go up and down without decay. The text has the numbers, and
+            what works.
 
         Raises
         ------
@@ -213,6 +221,12 @@ class PlantCoupling:
         Returns
         -------
         CoupledStep
+
+        Warns
+        -----
+        UnstableCouplingWarning
+            Once per object, where feedback that is computed outside the plant makes the torque go up and down
+            without decay.
 
         Raises
         ------
@@ -331,6 +345,65 @@ class PlantCoupling:
         plant = impedance_of(self._plant_torque, begin)
         radius = spectral_radius(size, inertia, plant, order, damping)
         return LoopStability(size, inertia, plant, order, radius, damping)
+
+
+def step_difference(run: Callable[[float], ArrayLike], step: float) -> float:
+    """How much a run changes if its step is ten times shorter.
+
+    Parameters
+    ----------
+    run : function of float
+        Makes the whole run from its start with that step [s]. Returns what is compared, such as the angle: at
+        the end, at instants that do not depend on the step, or after each step (or at the start and after
+        each step), along the first axis.
+    step : float
+        Communication step [s].
+
+    Returns
+    -------
+    float
+        Largest difference, in the unit of what `run` returns. An error of first order in the step is 10/9 of
+        this difference.
+
+    Raises
+    ------
+    CouplingError
+        `step` is not allowed, or what the runs return is not finite or does not fit together.
+
+    Examples
+    --------
+    >>> from dualcam import Fmu
+    >>> def run(step):
+    ...     with Fmu("forward") as fmu:
+    ...         fmu.start({"inertia.shaft": 0.15})
+    ...         coupling = PlantCoupling(fmu, lambda shaft: 6.0 - 0.5 * shaft.omega)
+    ...         return [coupling.step_explicit(step).motion.theta for _ in range(round(0.2 / step))]
+    >>> round(step_difference(run, 2e-3), 5)  # rad
+    0.001
+    """
+    check_positive("step", step, "s")
+    whole, fine = (np.asarray(run(size), dtype=float) for size in (step, 0.1 * step))
+    if fine.ndim and whole.ndim:
+        fine = _at_instants_of(whole, fine)
+    if whole.shape != fine.shape or not whole.size:
+        raise CouplingError(
+            f"the run with the step {step:g} s returns the shape {whole.shape}, that with a tenth of it"
+            f" {fine.shape}: allowed are equal shapes, or one row after each step"
+        )
+    largest = float(np.abs(fine - whole).max())
+    if not math.isfinite(largest):
+        raise CouplingError("a run returns values that are not finite: allowed are finite numbers")
+    return largest
+
+
+def _at_instants_of(whole: Array, fine: Array) -> Array:
+    """Those rows of a run with a tenth of the step that are at the instants of the whole run, if there are
+    such rows."""
+    if len(fine) == 10 * len(whole):
+        return fine[9::10]
+    if len(fine) == 10 * (len(whole) - 1) + 1:
+        return fine[::10]
+    return fine
 
 
 class _Bracket:
