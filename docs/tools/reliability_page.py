@@ -100,7 +100,10 @@ def long_fuzzing() -> str:
     if not runs or runs[-1]["findings"] != "0":
         return "Long fuzzing with other scenes still finds wrong ones."
     clean = sum(run["findings"] == "0" for run in runs)
-    return f"Of {len(runs)} long runs of fuzzing with other scenes, {clean} found nothing, among them the last one."
+    return (
+        f"Of {len(runs)} long runs of fuzzing with other scenes, {clean} found nothing, among them the last"
+        " one."
+    )
 
 
 def long_runs() -> str:
@@ -167,7 +170,7 @@ or with a second run whose steps are cut differently: {wrong} came out wrong, an
 
 
 def fuzzing() -> str:
-    files = [path for path in CORPUS.rglob("*") if path.is_file()]
+    files = [*CORPUS.glob("*/*")]
     size = sum(path.stat().st_size for path in files)
     return f"""\
 ## Fuzzing
