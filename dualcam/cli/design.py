@@ -19,7 +19,7 @@ from dualcam.errors import DesignError
 
 if TYPE_CHECKING:
     from dualcam.checking import Verdict
-    from dualcam.design import Design
+    from dualcam.design import Design, Mechanism
     from dualcam.design_file import DesignFile
     from dualcam.model_description import Scalar
 
@@ -53,9 +53,8 @@ GROOVE2 = ("equal", "given")
 @click.option(
     "--groove2",
     type=click.Choice(GROOVE2),
-    default="equal",
-    show_default=True,
-    help="equal: both grooves become the same. given: groove 2 is that of the design file.",
+    help="equal: both grooves become the same, the default if the radii are equal. given: groove 2 is that of"
+    " the design file, the default if not.",
 )
 @export_options
 @click.option("--force", is_flag=True, help="Replace existing files.")
@@ -65,7 +64,7 @@ def command(
     output: Path | None,
     torque: str | None,
     direction: str,
-    groove2: str,
+    groove2: str | None,
     force: bool,
     as_json: bool,
     **export: Any,  # noqa: ANN401
@@ -94,12 +93,14 @@ def command(
         refuse_to_overwrite(output, force)
     exported.prepare(force)
     design = open_design(design_file)
-    found = None if torque is None else _designed(design, torque, direction, groove2 == "given")
-    mechanism = design.mechanism() if found is None else found.mechanism
+    mechanism = design.mechanism()
+    keeps_groove2 = _keeps_groove2(mechanism, groove2)
+    found = None if torque is None else _designed(mechanism, torque, direction, keeps_groove2)
+    mechanism = mechanism if found is None else found.mechanism
     files = exported.write(design, mechanism)
     if found is not None and output is not None:
         found.table.write(output)
-    cams = (1,) if groove2 == "given" else (1, 2)
+    cams = (1,) if keeps_groove2 else (1, 2)
     verdict = None if found is None else _verdict(design, found, cams, output)
     if as_json:
         designed = {} if found is None else _facts(found, output, cams)
@@ -174,25 +175,28 @@ def _path_from(design_file: Path, table: Path) -> str:
         return target.as_posix()
 
 
-def _designed(design: DesignFile, torque: str, direction: str, keeps_groove2: bool) -> Design:
-    from dualcam.design import design_groove
-
-    mechanism = design.mechanism()
-    wanted = _wanted(torque)
+def _keeps_groove2(mechanism: Mechanism, groove2: str | None) -> bool:
+    """Whether groove 2 is that of the design file. DesignError for equal grooves of unequal radii."""
     radius1, radius2 = mechanism.radius
-    if not keeps_groove2 and radius1 != radius2:
+    if groove2 == "equal" and radius1 != radius2:
         raise DesignError(
             f"cam1.radius = {radius1:g} m, cam2.radius = {radius2:g} m: equal grooves need equal radii; or"
             " give --groove2 given"
         )
+    return groove2 == "given" or radius1 != radius2
+
+
+def _designed(mechanism: Mechanism, torque: str, direction: str, keeps_groove2: bool) -> Design:
+    from dualcam.design import design_groove
+
     return design_groove(
-        wanted,
+        _wanted(torque),
         mechanism.spring,
         mechanism.upper,
         direction=direction,
         groove2=mechanism.grooves[1] if keeps_groove2 else None,
         friction=mechanism.friction,
-        radius=radius1,
+        radius=mechanism.radius[0],
         contacts=mechanism.contacts,
     )
 
