@@ -31,6 +31,7 @@ from dualcam.reals import Array
 REST_SPEED = 1e-3  # rad/s: 1000 times the absolute tolerance of SciPy's solvers, 1e-4 of a usual speed
 REST_TIME = 1e-3  # s: steps of explicit solvers at rest are then some ms long
 STOP_TIME = 1e-5  # s: an impact lasts about ten of these, a few dozen steps of a solver
+OVERSHOOT = 1e-3  # of the room between the stops: where a solver ended a run, another one may begin
 
 ACCUMULATED = ("energy.", "peak.", "events")  # beginnings of names of variables that sum up over steps
 
@@ -206,6 +207,7 @@ class ContinuousCamSystem(control.NonlinearIOSystem):
         def set_state(x: Array, u: Array) -> tuple[bool, bool]:
             """Sets the FMU; whether the cam counts as at rest, and as moving into a stop."""
             theta, omega = float(x[0]), float(x[1])
+            self._check_begin(cam, theta)
             blocked = (theta >= cam.upper and omega > 0.0) or (theta <= cam.lower and omega < 0.0)
             rests = blocked or abs(omega) < rest_speed
             cam.set_state(theta, 0.0 if rests else omega, *all_inputs(u))
@@ -231,9 +233,27 @@ class ContinuousCamSystem(control.NonlinearIOSystem):
 
         # Copies of the system share the FMU, whose whole state each call sets: only functions refer to it.
         self._linear_model = linear_model
+        self._begins = False
         super().__init__(
             rates, output, inputs=inputs, outputs=_labels(names), states=list(STATES), name=name, dt=0
         )
+
+    def _update_params(self, params: Mapping[str, Any]) -> None:
+        """python-control calls this at the beginning of each run."""
+        super()._update_params(params)
+        self._begins = True
+
+    def _check_begin(self, cam: CamAtState, theta: float) -> None:
+        """FmuError where a run begins outside the stops. Later a solver may try angles outside."""
+        if not self._begins:
+            return
+        self._begins = False
+        margin = OVERSHOOT * (cam.upper - cam.lower)
+        if not cam.lower - margin <= theta <= cam.upper + margin:
+            raise FmuError(
+                f"theta = {theta:g} rad at the beginning: allowed is between the stops, {cam.lower:g} to"
+                f" {cam.upper:g} rad"
+            )
 
     def linearize(
         self,

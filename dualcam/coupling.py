@@ -37,10 +37,15 @@ from __future__ import annotations
 
 import math
 import warnings
+from collections.abc import Callable
 from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
 
 from dualcam.errors import CouplingError, UnstableCouplingWarning
 from dualcam.fmu import Fmu
+from dualcam.held_feedback import TorqueSwings, held_feedback_text
 from dualcam.plant import (
     DIFFERENCE,
     Impedance,
@@ -56,6 +61,7 @@ from dualcam.plant import (
     spectral_radius,
     torque_polynomial,
 )
+from dualcam.reals import Array
 
 __all__ = [
     "CoupledStep",
@@ -69,6 +75,7 @@ __all__ = [
     "largest_stable_step",
     "reflected_inertia",
     "spectral_radius",
+    "step_difference",
 ]
 
 STEP_SENSITIVITIES = ("step.dtheta_dtau", "step.domega_dtau")
@@ -107,8 +114,9 @@ class PlantCoupling:
     fmu : Fmu
         The forward FMU, started.
     plant : function of ShaftMotion
-        Torque of the plant on the shaft [N.m]. The function is called several times per step, so the function
-        must not change the plant's own states. Change those after the step, from the step's result.
+        Torque of the plant on the shaft [N.m]. All that depends on the motion at once belongs inside, also a
+        controller's voltage. The function is called several times per step, so the function must not change
+        the plant's own states. Change those after the step, from the step's result.
 
     Raises
     ------
@@ -146,6 +154,8 @@ class PlantCoupling:
         self._sensitivity = fmu.reals(*STEP_SENSITIVITIES)
         self._warned = False
         self._checked = False
+        self._swings = TorqueSwings()
+        self._foreseen: float | None = None  # N.m, of the plant at the motion at the end of the last step
 
     def motion(self) -> ShaftMotion:
         """The motion of the shaft now."""
@@ -171,8 +181,9 @@ class PlantCoupling:
         Warns
         -----
         UnstableCouplingWarning
-            Once per object, where the loop is unstable with this step. The text has the numbers, and what
-            works.
+            Once per object, where the loop is unstable with this step, or where feedback that is computed
+            outside the plant makes the torque go up and down without decay. The text has the numbers, and
+            what works.
 
         Raises
         ------
@@ -182,15 +193,14 @@ class PlantCoupling:
         """
         check_positive("size", size, "s")
         check_order(order)
-        begin = self._begin()
+        begin = self._begin(size)
         jerk = self._speed.read_derivatives(2)[0] if order == 2 else 0.0
         polynomial = torque_polynomial(self._plant_torque, begin, jerk, size, order)
         self._advance(size, polynomial[: order + 1])
         stability = self._stability(begin, size, order)
-        if stability and not stability.stable and not self._warned:
-            self._warned = True
-            warnings.warn(str(stability), UnstableCouplingWarning, stacklevel=2)
-        return CoupledStep(polynomial[0], self.motion(), 1, stability)
+        if stability and not stability.stable:
+            self._warn(str(stability))
+        return self._finished(CoupledStep(polynomial[0], self.motion(), 1, stability))
 
     def step_implicit(self, size: float, end_weight: float = 0.5) -> CoupledStep:
         """One step with the torque that suits the motion over the same step, by Newton's method.
@@ -212,6 +222,12 @@ class PlantCoupling:
         -------
         CoupledStep
 
+        Warns
+        -----
+        UnstableCouplingWarning
+            Once per object, where feedback that is computed outside the plant makes the torque go up and down
+            without decay.
+
         Raises
         ------
         CouplingError
@@ -222,7 +238,7 @@ class PlantCoupling:
         check_positive("size", size, "s")
         if not 0.5 <= end_weight <= 1.0:
             raise CouplingError(f"end_weight = {end_weight}: allowed is 0.5 to 1")
-        state, begin, torque = self.fmu.save_state(), self._begin(), self._tau.read()[0]
+        state, begin, torque = self.fmu.save_state(), self._begin(size), self._tau.read()[0]
         bracket = _Bracket()
         try:
             for trial in range(1, ITERATIONS + 1):
@@ -234,7 +250,7 @@ class PlantCoupling:
                 bracket.add(torque, residual)
                 allowed = TOLERANCE * max(1.0, abs(torque))
                 if abs(residual) <= allowed or bracket.width <= 1e-4 * allowed:
-                    return CoupledStep(torque, end, trial)
+                    return self._finished(CoupledStep(torque, end, trial))
                 torque = bracket.next_trial(torque, residual, slope)
         except BaseException:  # also what the plant itself raises
             self.fmu.restore_state(state)
@@ -268,8 +284,9 @@ class PlantCoupling:
         plant = self._plant_torque(motion)
         return torque - plant, 1.0 - (self._plant_torque(shifted) - plant) / shift
 
-    def _begin(self) -> ShaftMotion:
-        """The motion now. CouplingError before the first step if the plant changes when it is called."""
+    def _begin(self, size: float) -> ShaftMotion:
+        """The motion now. CouplingError before the first step if the plant changes when it is called; a
+        warning if feedback outside of the plant makes the loop unstable."""
         begin = self.motion()
         if not self._checked:
             first, second = self._plant_torque(begin), self._plant_torque(begin)
@@ -280,7 +297,24 @@ class PlantCoupling:
                     " states after the step"
                 )
             self._checked = True
+        if self._foreseen is not None:
+            torque = self._plant_torque(begin)
+            if torque != self._foreseen:
+                self._warn(held_feedback_text(self._swings, size, self._foreseen, torque))
         return begin
+
+    def _finished(self, step: CoupledStep) -> CoupledStep:
+        """The step, after a look at the torques so far."""
+        self._swings.add(step.torque)
+        suspicious = not self._warned and self._swings.are_unstable
+        self._foreseen = self._plant_torque(step.motion) if suspicious else None
+        return step
+
+    def _warn(self, text: str) -> None:
+        """Once per object."""
+        if not self._warned:
+            self._warned = True
+            warnings.warn(text, UnstableCouplingWarning, stacklevel=4)
 
     def _plant_torque(self, motion: ShaftMotion) -> float:
         returned = self.plant(motion)
@@ -311,6 +345,65 @@ class PlantCoupling:
         plant = impedance_of(self._plant_torque, begin)
         radius = spectral_radius(size, inertia, plant, order, damping)
         return LoopStability(size, inertia, plant, order, radius, damping)
+
+
+def step_difference(run: Callable[[float], ArrayLike], step: float) -> float:
+    """How much a run changes if its step is ten times shorter.
+
+    Parameters
+    ----------
+    run : function of float
+        Makes the whole run from its start with that step [s]. Returns what is compared, such as the angle: at
+        the end, at instants that do not depend on the step, or after each step (or at the start and after
+        each step), along the first axis.
+    step : float
+        Communication step [s].
+
+    Returns
+    -------
+    float
+        Largest difference, in the unit of what `run` returns. An error of first order in the step is 10/9 of
+        this difference.
+
+    Raises
+    ------
+    CouplingError
+        `step` is not allowed, or what the runs return is not finite or does not fit together.
+
+    Examples
+    --------
+    >>> from dualcam import Fmu
+    >>> def run(step):
+    ...     with Fmu("forward") as fmu:
+    ...         fmu.start({"inertia.shaft": 0.15})
+    ...         coupling = PlantCoupling(fmu, lambda shaft: 6.0 - 0.5 * shaft.omega)
+    ...         return [coupling.step_explicit(step).motion.theta for _ in range(round(0.2 / step))]
+    >>> round(step_difference(run, 2e-3), 5)  # rad
+    0.001
+    """
+    check_positive("step", step, "s")
+    whole, fine = (np.asarray(run(size), dtype=float) for size in (step, 0.1 * step))
+    if fine.ndim and whole.ndim:
+        fine = _at_instants_of(whole, fine)
+    if whole.shape != fine.shape or not whole.size:
+        raise CouplingError(
+            f"the run with the step {step:g} s returns the shape {whole.shape}, that with a tenth of it"
+            f" {fine.shape}: allowed are equal shapes, or one row after each step"
+        )
+    largest = float(np.abs(fine - whole).max())
+    if not math.isfinite(largest):
+        raise CouplingError("a run returns values that are not finite: allowed are finite numbers")
+    return largest
+
+
+def _at_instants_of(whole: Array, fine: Array) -> Array:
+    """Those rows of a run with a tenth of the step that are at the instants of the whole run, if there are
+    such rows."""
+    if len(fine) == 10 * len(whole):
+        return fine[9::10]
+    if len(fine) == 10 * (len(whole) - 1) + 1:
+        return fine[::10]
+    return fine
 
 
 class _Bracket:

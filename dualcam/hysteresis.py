@@ -350,8 +350,10 @@ class CamHysteresis(control.DescribingFunctionNonlinearity):
         -----
         LimitCycleWarning
             Once per finding: the FMU in the loop swings where no limit cycle is predicted, a prediction is
-            wrong by more than 10 % in amplitude or frequency, or a run has not settled. Without the check:
-            a prediction whose margin is too small (see LimitCycle).
+            wrong by more than 10 % in amplitude or frequency, or a run ends pressed on a stop (a controller
+            of the wrong sign), with a torque that grows without end (an unstable controller) or without
+            having settled. Without the check: a prediction whose margin is too small (see LimitCycle), or a
+            controller that is unstable.
 
         Raises
         ------
@@ -395,7 +397,7 @@ class CamHysteresis(control.DescribingFunctionNonlinearity):
         if check:
             check_duration(duration, law.period)
         found = candidates(self, law)
-        result = check_in_loop(self, law, found, duration) if check else unchecked(found)
+        result = check_in_loop(self, law, found, duration) if check else unchecked(law, found)
         for finding in result.findings:
             warnings.warn(finding, LimitCycleWarning, stacklevel=2)
         return result

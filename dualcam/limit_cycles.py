@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dualcam.harmonic_balance import Candidate, LimitCycle, Start
-from dualcam.sampled_loop import LoopMotion, SampledController, SampledLoop
+from dualcam.sampled_loop import MOST_TORQUE, LoopMotion, SampledController, SampledLoop
 
 if TYPE_CHECKING:
     from dualcam.hysteresis import CamHysteresis
@@ -29,8 +29,8 @@ class LimitCycles:
     predicted : tuple of LimitCycle
         By harmonic balance, by rising amplitude.
     simulated : tuple of LoopMotion
-        Different motions in which the loop with the FMU settles, by rising amplitude; rest is none of them.
-        Empty if the check was left out.
+        Different motions in which the loop with the FMU settles, by rising amplitude; rest, also on a stop,
+        is none of them. Empty if the check was left out.
     holds : bool or None
         Whether the FMU agrees with the prediction to 10 %. Without the check: None, or False where a margin
         is too small (see LimitCycle).
@@ -44,7 +44,7 @@ class LimitCycles:
     findings: tuple[str, ...] = ()
 
 
-def unchecked(found: list[Candidate]) -> LimitCycles:
+def unchecked(controller: SampledController, found: list[Candidate]) -> LimitCycles:
     """The predictions alone."""
     cycles = tuple(one.cycle for one in found)
     findings = tuple(
@@ -54,6 +54,12 @@ def unchecked(found: list[Candidate]) -> LimitCycles:
         for cycle in cycles
         if cycle.margin < LEAST_MARGIN
     )
+    if controller.unstable:
+        findings += (
+            f"the controller is unstable: it has a pole of magnitude {controller.largest_pole:.4g}, allowed"
+            " for rest is at most 1. A describing function does not tell whether the loop holds it. Run the"
+            " check",
+        )
     return LimitCycles(cycles, (), False if findings else None, findings)
 
 
@@ -111,16 +117,14 @@ class _Checks:
         """Texts where the loop, left at an offset, settles in what is not predicted."""
         middle = float(np.mean(self.hysteresis.band(self.hysteresis.theta)))
         theta, states = self.hysteresis.theta, np.zeros(self.loop.controller.states)
-        undecided: list[str] = []
-        held: dict[str, list[str]] = {}  # offsets by the stop
+        unsettled: dict[str, list[str]] = {}  # offsets by what is said of them
         for share in STARTS:
             stop = self.hysteresis.upper if share > 0.0 else self.hysteresis.lower
             begin = theta + abs(share) * (stop - theta)
             settled = self._settle(Start(begin, 0.0, states, middle))
-            if settled.kind == "undecided" and (end := self._held_at(settled)):
-                held.setdefault(end, []).append(f"{begin:.4g}")
-            elif settled.kind == "undecided":
-                undecided.append(f"{begin:.4g} rad ({_ends(settled)})")
+            if settled.kind in ("stop", "diverges", "undecided"):
+                where = f"{begin:.4g} rad ({_ends(settled)} at the end)"
+                unsettled.setdefault(self._complaint(settled), []).append(where)
             elif settled.kind != "rest" and not any(_alike(settled, other) for other in self.motions):
                 self.motions.append(settled)
                 if not any(one.cycle.stable and _agrees(one.cycle, settled) for one in self.found):
@@ -129,26 +133,25 @@ class _Checks:
                         " No limit cycle like this one is predicted: the describing function does not hold"
                         " there"
                     )
-        for end, offsets in held.items():
-            yield (
-                f"left at {' or '.join(offsets)} rad, the FMU in the loop is held at {end} after"
-                f" {self.duration:g} s: the torque does not bring the cam back. Look at the sign of the"
-                " controller (from the error, theta less the angle, to the torque) and at its gains"
-            )
-        if undecided:
-            yield (
-                f"after {self.duration:g} s the FMU in the loop is neither at rest nor in cycles, if left at"
-                f" (with the range at the end): {', '.join(undecided)}. A longer duration decides"
-            )
+        for complaint, offsets in unsettled.items():
+            yield f"left at {' or '.join(offsets)}, the FMU in the loop {complaint}"
 
-    def _held_at(self, settled: LoopMotion) -> str:
-        """The stop at which the cam rests, in words; empty if there is none."""
-        near = ON_STOP * (self.hysteresis.upper - self.hysteresis.lower)
-        if settled.highest < self.hysteresis.lower + near:
-            return f"the lower stop, {self.hysteresis.lower:g} rad,"
-        if settled.lowest > self.hysteresis.upper - near:
-            return f"the upper stop, {self.hysteresis.upper:g} rad,"
-        return ""
+    def _complaint(self, settled: LoopMotion) -> str:
+        """What is wrong where the loop neither rests nor swings, and what to do."""
+        if settled.kind == "undecided":
+            return f"is neither at rest nor in cycles after {self.duration:g} s. A longer duration decides"
+        if settled.kind == "diverges":
+            return (
+                f"lets the controller's torque grow beyond {MOST_TORQUE:g} N.m. The controller has a pole of"
+                f" magnitude {self.loop.controller.largest_pole:.4g}, allowed for rest is at most 1"
+            )
+        lower = settled.lowest < self.hysteresis.theta
+        stop = f"lower stop, {self.hysteresis.lower:g}" if lower else f"upper stop, {self.hysteresis.upper:g}"
+        return (
+            f"is held at the {stop} rad, after {self.duration:g} s: the torque does not bring the cam back."
+            " Look at the sign of the controller (from the error, theta less the angle, to the torque) and at"
+            " its gains"
+        )
 
     def _why(self, settled: LoopMotion) -> str:
         """What the harmonic balance does not know of this motion."""
@@ -180,6 +183,8 @@ def _said(settled: LoopMotion) -> str:
     ends = _ends(settled)
     return {
         "rest": "comes to rest",
+        "stop": f"is pressed on the stop {ends}",
+        "diverges": f"lets the controller's torque grow beyond {MOST_TORQUE:g} N.m, the cam {ends}",
         "cycle": f"swings with {swing} at {settled.frequency:.4g} rad/s, from {ends}",
         "irregular": f"hunts in unequal cycles, with {swing} at {settled.frequency:.4g} rad/s, from {ends}",
         "undecided": f"is neither at rest nor in cycles at the end of the duration, from {ends}",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
@@ -11,7 +12,7 @@ import control
 import numpy as np
 
 from dualcam.arrays import number_of
-from dualcam.errors import FmuError
+from dualcam.errors import DualcamWarning, FmuError
 from dualcam.forward import (
     INPUTS,
     LOADING,
@@ -33,6 +34,7 @@ from dualcam.model_description import Scalar
 AtRest = Literal["loading", "releasing", "frozen"]
 
 BEYOND_EDGE = 1e-6  # of the band's edge: torque this much beyond the edge begins slip, as 1e-13 would
+UNBALANCED = 1e-3  # of the torque: less than this beside the steady torque is an equilibrium
 ITERATIONS = 20  # one for each pair of flanks and one more are enough
 
 
@@ -119,6 +121,13 @@ def linearize(
     control.StateSpace
         With named signals, and the OperatingPoint as its attribute `operating_point`.
 
+    Warns
+    -----
+    DualcamWarning
+        `tau` is more than 0.1 % beside the torque that keeps omega constant. The point is then no
+        equilibrium: the model's deviations are from a motion that leaves the point with the acceleration
+        alpha.
+
     Raises
     ------
     OperatingPointError
@@ -148,6 +157,7 @@ def linearize(
         force = number_of(cam.fmu.parameters.get("F_ext", 0.0) if F_ext is None else F_ext, "F_ext")
         point = _go_to_operating_point(cam, theta, omega, tau, force, at_rest)
         model = _model(cam, point, names_in, names_out)
+        _warn_of_motion(cam, point)
     finally:
         cam.fmu.close()
     if sampling is not None:
@@ -168,6 +178,24 @@ def _model(
         rates[:, :2], rates[:, 2:], output_jacobian[:, :2], output_jacobian[:, 2:],
         inputs=inputs, outputs=outputs, states=list(STATES), name="cam",
     )  # fmt: skip
+
+
+def _warn_of_motion(cam: CamAtState, point: OperatingPoint) -> None:
+    """DualcamWarning where the point, at which the FMU is, is no equilibrium."""
+    if point.alpha == 0.0:
+        return
+    steady = point.tau - point.alpha / float(cam.fmu.jacobian(["alpha"], ["tau"])[0, 0])
+    if abs(point.tau - steady) > UNBALANCED * max(abs(point.tau), abs(steady)):
+        way = "loading" if point.mode == LOADING else "releasing"
+        remedy = "leave tau out" if point.omega else f"give at_rest = {way!r} and leave tau out"
+        warnings.warn(
+            DualcamWarning(
+                f"theta = {point.theta:g} rad, omega = {point.omega:g} rad/s, tau = {point.tau:g} N.m is no"
+                f" equilibrium: alpha = {point.alpha:.4g} rad/s2. The model's deviations are from this"
+                f" motion, which leaves the point. tau = {steady:.4g} N.m keeps the speed: {remedy}"
+            ),
+            stacklevel=3,
+        )
 
 
 # ---- operating points ----

@@ -14,7 +14,7 @@ import numpy as np
 import dualcam
 from dualcam.checking import Verdict, check_design
 from dualcam.design import TorqueBand, torque_band
-from dualcam.design.torque_band import span
+from dualcam.design.torque_band import NOT_LOCKING, span
 from dualcam.design_file import as_design
 from dualcam.errors import DualcamError
 from dualcam.html_page import page, table
@@ -127,11 +127,12 @@ def _curves(design: DesignFile, verdict: Verdict) -> list[str]:
 
 
 def _band(design: DesignFile, band: TorqueBand) -> str:
+    locking = "yes: the spring cannot turn the cam back" if band.self_locking else f"no: {NOT_LOCKING}"
     rows = [
         ("torque to load", "infinite: the mechanism jams" if band.jams else f"{span(band.load)} N.m"),
         ("torque given back", f"{span(band.release)} N.m"),
         ("efficiency: given back over loaded", span_words(100.0 * band.efficiency, "%")),
-        ("self-locking", "yes: the spring cannot turn the cam back" if band.self_locking else "no"),
+        ("self-locking", locking),
         ("range of theta", f"{np.degrees(band.theta[0]):.4g} to {np.degrees(band.theta[-1]):.4g} deg"),
         ("stroke of the follower", f"{1e3 * (band.z[-1] - band.z[0]):.4g} mm"),
     ]

@@ -12,7 +12,7 @@ import numpy as np
 
 from dualcam.errors import FmuError
 from dualcam.fmu import Fmu, RepeatedStart
-from dualcam.forward import STICK, Source, open_forward
+from dualcam.forward import LOWER_STOP, STICK, UPPER_STOP, Source, open_forward
 from dualcam.model_description import Scalar
 from dualcam.reals import Array
 
@@ -25,6 +25,8 @@ PERSISTENT = 1.3  # most range of the last two parts over that of the last one, 
 LATE = 0.4  # of the record, its end: the part that says where the loop settles
 BLOCK = 4096  # samples of the controller at rest, computed at once
 MOST_SAMPLES = 4e6  # of one run: a minute, and 600 MB of record
+MOST_TORQUE = 1e12  # N.m: only a controller that is unstable gets there
+ENDLESS = 1e150  # states of a controller at rest are cut off here, far from the end of the doubles
 
 
 class SampledController:
@@ -69,14 +71,24 @@ class SampledController:
         (BLOCK + 1, states, states), and of the error, shape (BLOCK + 1, states)."""
         of_state, of_error = [np.eye(self.states)], [np.zeros(self.states)]
         for _ in range(BLOCK):
-            of_state.append(self.A @ of_state[-1])
-            of_error.append(self.A @ of_error[-1] + self.B)
+            of_state.append(np.clip(self.A @ of_state[-1], -ENDLESS, ENDLESS))
+            of_error.append(np.clip(self.A @ of_error[-1] + self.B, -ENDLESS, ENDLESS))
         return np.array(of_state), np.array(of_error)
+
+    @property
+    def largest_pole(self) -> float:
+        """Largest magnitude of the controller's poles; 0 without states."""
+        return float(np.abs(np.linalg.eigvals(self.A)).max(initial=0.0))
 
     @property
     def integrates(self) -> bool:
         """Whether a constant error makes the torque grow without end."""
-        return bool(np.any(np.abs(np.linalg.eigvals(self.A)) > 1.0 - 1e-9))
+        return self.largest_pole > 1.0 - 1e-9
+
+    @property
+    def unstable(self) -> bool:
+        """Whether the torque grows exponentially if the cam does not move."""
+        return self.largest_pole > 1.0 + 1e-9
 
     def ahead(self, x: Array, error: float) -> Array:
         """States after 0 to BLOCK samples with a constant error [rad], shape (BLOCK + 1, states)."""
@@ -142,8 +154,9 @@ class LoopMotion:
     Attributes
     ----------
     kind : str
-        "rest", "cycle", "irregular" where the cam goes on to move in unequal cycles, or "undecided" where the
-        swing still decays or the motion is too slow for the duration.
+        "rest"; "stop" where the torque presses the cam on a stop; "cycle"; "irregular" where the cam goes on
+        to move in unequal cycles; "diverges" where the controller's torque passes 1e12 N.m; or "undecided"
+        where the swing still decays or the motion is too slow for the duration.
     amplitude : float
         Half the range of the angle [rad], 0 at rest.
     torque : float
@@ -207,6 +220,8 @@ class SampledLoop:
                 error = self.theta - theta
                 torque = bias + float(law.C @ x) + law.D * error
                 record.add(samples * law.period, theta, torque)
+                if abs(torque) > MOST_TORQUE:
+                    return record.late("diverges")
                 x = law.A @ x + law.B * error
                 self._tau.values[:] = torque
                 self._tau.write()
@@ -216,7 +231,8 @@ class SampledLoop:
                 samples, x = self._wait(x, bias, samples, last, record)
             if record.rests(self.theta) or record.decided():
                 break
-        return record.settled(self.theta, law.integrates)
+        pressed = self.fmu.get("mode") in (LOWER_STOP, UPPER_STOP)
+        return record.settled(self.theta, pressed, law.integrates)
 
     def _wait(self, x: Array, bias: float, samples: int, last: int, record: _Record) -> tuple[int, Array]:
         """While the torque stays in the stick band nothing moves: only the controller goes on."""
@@ -282,18 +298,31 @@ class _Record:
             return None
         return _settled("cycle", ups, time, theta, torque)
 
-    def settled(self, reference: float, integrates: bool) -> LoopMotion:
-        """The limit cycle, rest, or neither. At rest an integrator that still has an error is not settled."""
+    def settled(self, reference: float, pressed: bool, integrates: bool) -> LoopMotion:
+        """The limit cycle, rest, a stop on which the cam is pressed, or none of them. At rest an integrator
+        that still has an error is not settled."""
         if found := self.cycle():
             return found
+        if self.rests(reference):
+            return self._still("rest")
+        if self._quiet() and pressed:
+            return self._still("stop")
+        if self._quiet() and not integrates:
+            return self._still("rest")
+        return self.irregular(FEW) or self.late("undecided")
+
+    def _quiet(self) -> bool:
+        return bool(np.ptp(self._late(LATE)[1]) <= self._least)
+
+    def _still(self, kind: str) -> LoopMotion:
+        _, theta, _ = self._late(LATE)
+        return LoopMotion(kind, 0.0, 0.0, math.nan, float(theta.min()), float(theta.max()))
+
+    def late(self, kind: str) -> LoopMotion:
+        """Ranges of angle and torque at the end of the record."""
         _, theta, torque = self._late(LATE)
         low, high = float(theta.min()), float(theta.max())
-        quiet = high - low <= self._least and not integrates
-        if quiet or self.rests(reference):
-            return LoopMotion("rest", 0.0, 0.0, math.nan, low, high)
-        if found := self.irregular(FEW):
-            return found
-        return LoopMotion("undecided", 0.5 * (high - low), 0.5 * float(np.ptp(torque)), math.nan, low, high)
+        return LoopMotion(kind, 0.5 * (high - low), 0.5 * float(np.ptp(torque)), math.nan, low, high)
 
     def irregular(self, least: int) -> LoopMotion | None:
         """Unequal cycles that do not decay, at least so many of them."""

@@ -482,3 +482,13 @@ def test_bad_states_and_times_are_refused(make_model, bad):
     fmu.refused("fmi2SetContinuousStates", (ctypes.c_double * 2)(bad, 0.5), 2, mentions=("theta",))
     fmu.refused("fmi2SetTime", bad, mentions=("time",))
     fmu.refused_set({"tau": bad}, mentions=("tau",))
+
+
+def test_a_ramp_needs_too_many_steps_of_cvode_in_fmpy():
+    """As docs/use-model-exchange.md says: 500 steps do not reach the next output, 5 ms later."""
+    torque = np.array([(0.0, 0.0), (1.0, 10.0), (2.0, 0.0)], dtype=[("time", float), ("tau", float)])
+    with pytest.raises(Exception, match="mxstep steps taken before reaching tout"):
+        simulate_fmu(
+            str(models["DualCamForward"].fmu), fmi_type="ModelExchange", stop_time=2.0, output_interval=5e-3,
+            input=torque, output=["theta"],
+        )  # fmt: skip

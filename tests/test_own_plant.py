@@ -24,6 +24,7 @@ from dualcam.coupling import (
     largest_stable_step,
     reflected_inertia,
     spectral_radius,
+    step_difference,
 )
 from dualcam.errors import CouplingError, DualcamError, UnstableCouplingWarning
 from dualcam.systems.motor import AK80_6
@@ -216,6 +217,126 @@ def test_no_warning_at_rest(fmu, start):
         warnings.simplefilter("error")
         for _ in range(5):
             assert coupling.step_explicit(H).stability is None
+
+
+# ---- feedback outside the plant function ----
+
+GEAR, LIMIT, GOAL = 6.0, 24.0, 0.8  # 1, V, rad
+GAIN = GEAR * AK80_6.torque_constant / AK80_6.resistance  # N.m/V at the shaft
+BACK_EMF = GEAR * AK80_6.torque_constant  # V.s/rad
+
+
+def held_voltage(fmu, step, proportional, derivative, seconds, implicit=False):
+    """The angles [rad] under a voltage that is computed before each step, and the texts of the warnings."""
+    fmu.start({"inertia.shaft": J})
+    voltage = [0.0]
+    coupling = PlantCoupling(fmu, lambda shaft: GAIN * (voltage[0] - BACK_EMF * shaft.omega))
+    angles = []
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        for _ in range(round(seconds / step)):
+            shaft = coupling.motion()
+            wanted = proportional * (GOAL - shaft.theta) - derivative * shaft.omega
+            voltage[0] = max(-LIMIT, min(LIMIT, wanted))
+            made = coupling.step_implicit(step) if implicit else coupling.step_explicit(step)
+            angles.append(made.motion.theta)
+    assert all(one.category is UnstableCouplingWarning for one in caught)
+    return np.array(angles), [str(one.message) for one in caught]
+
+
+@pytest.mark.parametrize(("proportional", "derivative"), [(30.0, 2.0), (1000.0, 8.0)])
+@pytest.mark.parametrize("implicit", [False, True])
+def test_feedback_outside_the_plant_is_seen(fmu, proportional, derivative, implicit):
+    """The cam should come to rest where the voltage makes the load edge of the stick band. The derivative
+    held outside has GAIN derivative h/J > 2, so the cam trembles instead."""
+    assert GAIN * derivative * H / J > 2.0
+    angles, texts = held_voltage(fmu, H, proportional, derivative, 0.6, implicit)
+    rise, first = (own * 0.02 / 2.0 * 1.14 / 0.86 for own in (50e3 * 0.02 / 2.0, 50.0))
+    rest = (GAIN * proportional * GOAL - first) / (rise + GAIN * proportional)
+    assert abs(angles[-1] - rest) > 0.04
+    (text,) = texts
+    assert "Something outside the plant function changes it" in text
+    assert "step_implicit" in text and "step_difference" in text
+    fine, texts = held_voltage(fmu, H / 10.0, proportional, derivative, 0.6, implicit)
+    assert fine[-1] == pytest.approx(rest, abs=5e-3) and texts == []
+
+
+@pytest.mark.parametrize(("stiffness", "limit"), [(100.0, math.inf), (500.0, math.inf), (1500.0, 15.0)])
+def test_an_angle_fed_back_outside_is_seen(fmu, stiffness, limit):
+    """A held spring makes errors grow by sqrt(1 + K h^2/(2 J)) per step. With a limited torque the cam ends
+    in swings from stop to stop, of many steps each."""
+    held = 4.7  # N.m, in the stick band at GOAL
+    fmu.start({"inertia.shaft": J, "initial.theta": 0.6, "tau": held})
+    torque = [held]
+    coupling, angles = PlantCoupling(fmu, lambda shaft: torque[0]), []
+    with pytest.warns(UnstableCouplingWarning, match="outside the plant function"):
+        for _ in range(1000):
+            torque[0] = held + max(-limit, min(limit, stiffness * (GOAL - coupling.motion().theta)))
+            angles.append(coupling.step_explicit(H).motion.theta)
+    assert np.ptp(angles[-200:]) > 0.5
+
+
+@pytest.mark.parametrize(
+    "kind",
+    ["noise outside", "binary noise outside", "square wave inside", "slow sine outside", "one move"],
+)
+def test_other_torques_are_no_feedback(fmu, kind):
+    random, held = np.random.default_rng(7), [0.0]
+
+    def outside(shaft):
+        return {
+            "noise outside": lambda: random.normal(3.0, 2.0),
+            "binary noise outside": lambda: random.choice([1.0, 5.0]),
+            "square wave inside": lambda: 0.0,
+            "slow sine outside": lambda: 4.0 + 3.0 * math.sin(2.0 * math.pi * 5.0 * shaft.time),
+            "one move": lambda: 30.0 * (GOAL - shaft.theta) - 0.3 * shaft.omega,
+        }[kind]()
+
+    def plant(shaft):
+        wave = 3.0 * (-1.0) ** round(shaft.time / H) if kind == "square wave inside" else 0.0
+        return held[0] + wave - 0.2 * shaft.omega
+
+    fmu.start({"inertia.shaft": J, "initial.theta": 0.4})
+    coupling = PlantCoupling(fmu, plant)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        for _ in range(1500):
+            held[0] = outside(coupling.motion())
+            coupling.step_explicit(H)
+
+
+# ---- a run at a tenth of the step ----
+
+
+def test_step_difference_of_a_held_damper(fmu):
+    """omega shrinks by 1 - D h/J per step: both runs are known."""
+    damping, speed = 0.2, 1e-3
+
+    def run(step):
+        fmu.start({**FREE, "initial.omega": speed})
+        coupling = PlantCoupling(fmu, lambda shaft: -damping * shaft.omega)
+        return [coupling.step_explicit(step).motion.omega for _ in range(round(0.02 / step))]
+
+    steps = np.arange(1, 21)
+    x = damping * H / J
+    exact = np.abs((1.0 - x) ** steps - (1.0 - x / 10.0) ** (10 * steps)).max() * speed
+    assert step_difference(run, H) == pytest.approx(exact, rel=1e-6)
+    assert step_difference(lambda step: run(step)[-1], H) < exact
+    assert step_difference(lambda step: [speed, *run(step)], H) == pytest.approx(exact, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("run", "step", "text"),
+    [
+        (lambda step: [0.0], 0.0, "step = 0.0 s: allowed"),
+        (lambda step: np.zeros(round(1e-2 / step) + 3), H, r"\(13,\).* \(103,\): allowed are equal shapes"),
+        (lambda step: [], H, "allowed are equal shapes"),
+        (lambda step: math.nan, H, "not finite"),
+    ],
+)
+def test_runs_that_cannot_be_compared(run, step, text):
+    with pytest.raises(CouplingError, match=text):
+        step_difference(run, step)
 
 
 # ---- implicit coupling ----

@@ -60,7 +60,28 @@ def test_last_speed_is_the_textbooks_for_small_damping():
     assert gaps[0] / gaps[1] == pytest.approx(2.0, rel=0.05)
 
 
+@pytest.mark.parametrize("damping", [0.003, 0.01, 0.03])
+@pytest.mark.parametrize("exponent", [1, 2])
+def test_last_speed_of_a_drop_that_takes_a_speed(damping, exponent):
+    """That of a sudden drop is too low by a factor of 1.6 to 2.8 at the default Stribeck velocity, and the
+    one of a gradual drop 1 to 13 % too high. The end lies at most 10 % above the larger of both."""
+    for velocity in (1e-5, 1e-3, 1e-2):
+        scene = Scene(damping=damping, exponent=exponent, stribeck_velocity=velocity)
+        exact = reference.last_speed(scene, accuracy=1e-3)
+        sudden, gradual = reference.textbook_last_speed(scene), reference.gradual_last_speed(scene)
+        assert 0.66 < exact / max(sudden, gradual) < 1.1
+    assert 1.6 < exact / sudden < 2.8
+    assert 0.87 < exact / gradual < 0.99
+
+
 # ---- the FMU ----
+
+
+def test_the_end_of_the_cycle_is_far_above_that_of_a_sudden_drop(fmu):
+    """The default Stribeck velocity. Twice the speed of a sudden drop still has cycles; the speed of a
+    gradual drop has none."""
+    assert run.cycle(fmu, STRIBECK, 2.0 * reference.textbook_last_speed(STRIBECK)) is not None
+    assert run.cycle(fmu, STRIBECK, reference.gradual_last_speed(STRIBECK)) is None
 
 
 @pytest.mark.parametrize("share", SPEEDS)

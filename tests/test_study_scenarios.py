@@ -2,6 +2,7 @@
 numbers fixed, or of the FMU driven by hand."""
 
 import math
+import warnings
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from dualcam import Fmu
 from dualcam.__main__ import main
 from dualcam.errors import DualcamWarning
 from dualcam.study import Controller, History, Plan, Scenario, Vary, read_results, read_study
+from dualcam.study.first_runs import check
 from dualcam.study.resolved import resolve
 from dualcam.study.runner import Runner
 from dualcam.study.sampling.profiles import RandomProfiles
@@ -199,8 +201,6 @@ def test_numbers_that_are_no_scenario_concern_their_run_alone():
     with pytest.warns(
         DualcamWarning, match="50 % of the first 6 runs are refused, such as run 1: scenario: stop"
     ):
-        from dualcam.study.first_runs import check
-
         check(one.job(), plan).close()
 
 
@@ -248,6 +248,48 @@ def test_a_law_that_refuses_its_arguments_concerns_its_run_alone():
     plan = Plan("grid", {"way": Vary(values=("push", "sideways", "pull"))})
     block = runs_of(study(plan, Scenario(0.01, controller=control), ["tau"]))
     assert block.messages == {1: "controller: KeyError: 'sideways'"}
+
+
+def looked_at(scenario, plan):
+    """What is said before the first run."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        check(study(plan, scenario, ["theta"]).job(), plan).close()
+    return [str(one.message) for one in caught if one.category is DualcamWarning]
+
+
+@pytest.mark.parametrize(
+    ("period", "said"),
+    [
+        (0.25, ["controller.period = 0.25 s does not divide the run of 0.6 s", "last time at 0.5 s, 0.1 s"]),
+        (2.0, ["controller.period = 2 s is longer than the run of 0.6 s", "last time at 0 s, 0.6 s"]),
+        ("length", ["scenario, 50 %, such as run 1: controller.period = 0.4 s does not divide"]),
+        (0.2, []),
+        (0.6, []),
+        (1e-4, []),
+    ],
+)
+def test_a_period_that_does_not_divide_the_run_is_said(period, said):
+    gains = {"stiffness": "10 * length", "damping": 0.1}
+    control = Controller(create_pd, period, ["theta", "omega"], ["tau"], gains)
+    plan = Plan("grid", {"length": Vary(values=(0.3, 0.4))})
+    texts = looked_at(Scenario(0.6, controller=control), plan)
+    texts = [text for text in texts if "controller.period" in text]
+    assert len(texts) == bool(said)
+    assert all(part in text for part in said for text in texts)
+
+
+@pytest.mark.parametrize("number", ["1", "2 * 0.5"])
+def test_a_number_in_quotes_without_a_unit_is_refused(number):
+    """It is a formula in which nothing varies, so nobody would compute it."""
+    allowed = "allowed is a number, such as 1, a number with its unit in quotes, or a formula"
+    control = Controller(create_pd, number, ["theta", "omega"], ["tau"])
+    with refused("controller.period = ", allowed):
+        Scenario(2.0, controller=control)
+    with refused("stop = ", allowed):
+        Scenario(number)
+    with refused("tau: ", allowed):
+        Scenario(2.0, {"tau": History([0.0, number], [0.0, 1.0])})
 
 
 # ---- groove tables ----

@@ -130,10 +130,23 @@ def last_speed(scene: Scene, low: float = 0.05, high: float = 50.0, accuracy: fl
 
 
 def textbook_last_speed(scene: Scene) -> float:
-    """The same for a sudden drop and small damping [rad/s]."""
+    """The same for a sudden drop and small damping [rad/s]: the energy of a jump, dT^2/(2 K), is the energy
+    that damping takes in a period, pi b Omega^2/w."""
     drop = scene.static_torque - scene.kinetic_torque
     impedance = INERTIA * scene.natural_frequency
     return drop / (impedance * math.sqrt(4.0 * math.pi * scene.damping_ratio))
+
+
+def gradual_last_speed(scene: Scene) -> float:
+    """The same for a drop that takes the Stribeck velocity, and small damping [rad/s].
+
+    At the last speed the motion grazes rest: omega = Omega (1 - cos w t). There the excess of friction puts
+    in the energy Omega times the integral of T - T_k over the time, with omega = Omega w^2 t^2/2. The energy
+    that damping takes is pi b Omega^2/w."""
+    drop = scene.static_torque - scene.kinetic_torque
+    width = scene.stribeck_velocity / SLIDING  # rad/s
+    shape = 2.0 * math.sqrt(2.0) * math.gamma(1.25) if scene.exponent == 2 else math.sqrt(2.0 * math.pi)
+    return (shape * drop * math.sqrt(width) / (math.pi * scene.damping)) ** (2.0 / 3.0)
 
 
 def stable_speed(scene: Scene) -> float:

@@ -11,7 +11,7 @@ import numpy as np
 from dualcam.design import Limits, Pin, torque_band
 from dualcam.design.mechanism import POINTS, Mechanism
 from dualcam.design.strength import strength
-from dualcam.design.torque_band import span
+from dualcam.design.torque_band import NOT_LOCKING, span
 from dualcam.design_file import DesignFile
 from dualcam.durability import (
     RollerNumbers,
@@ -97,7 +97,8 @@ class KeyNumbers:
 
     def lines(self) -> list[str]:
         """One line for each number, with its unit."""
-        locking = "yes, the spring cannot turn cam 2 back everywhere" if self.self_locking else "no"
+        turns = f"no, {NOT_LOCKING}"
+        locking = "yes, the spring cannot turn cam 2 back everywhere" if self.self_locking else turns
         return [
             f"torque to load: {span(np.array(self.load))} N.m",
             f"torque given back: {span(np.array(self.release))} N.m",

@@ -180,8 +180,7 @@ def _unused(design: DesignFile) -> list[Finding]:
             WARNING,
             name,
             value,
-            unused(name, value, design.model)
-            + (_soft_shaft(design) if name == "shaft.stiffness" else ""),
+            unused(name, value, design.model) + (_soft_shaft(design) if name == "shaft.stiffness" else ""),
             kind="unused",
         )
         for name, value in design.parameters.items()

@@ -126,6 +126,7 @@ def _rows(band: TorqueBand) -> np.ndarray:
 
 
 def _summary(band: TorqueBand) -> str:
+    from dualcam.design.torque_band import NOT_LOCKING
     from dualcam.summary import span_words
 
     if not np.isfinite(band.load).all():
@@ -134,4 +135,4 @@ def _summary(band: TorqueBand) -> str:
     if band.self_locking:
         angle = np.degrees(band.theta[band.efficiency <= 0.0][0])
         return f"Self-locking from theta = {angle:.4g} deg: the spring cannot turn the cam back."
-    return f"Not self-locking. Efficiency {span_words(100.0 * band.efficiency, '%')}."
+    return f"Not self-locking: {NOT_LOCKING}. Efficiency {span_words(100.0 * band.efficiency, '%')}."

@@ -22,7 +22,7 @@ from dualcam.errors import DesignError, DualcamWarning
 
 if TYPE_CHECKING:
     from dualcam.checking import Verdict
-    from dualcam.design import Design
+    from dualcam.design import Design, Mechanism
     from dualcam.design_file import DesignFile
     from dualcam.model_description import Scalar
 
@@ -56,9 +56,8 @@ GROOVE2 = ("equal", "given")
 @click.option(
     "--groove2",
     type=click.Choice(GROOVE2),
-    default="equal",
-    show_default=True,
-    help="equal: both grooves become the same. given: groove 2 is that of the design file.",
+    help="equal: both grooves become the same, the default if the radii are equal. given: groove 2 is that of"
+    " the design file, the default if not.",
 )
 @export_options
 @click.option("--force", is_flag=True, help="Replace existing files.")
@@ -69,7 +68,7 @@ def command(
     output: Path | None,
     torque: str | None,
     direction: str,
-    groove2: str,
+    groove2: str | None,
     force: bool,
     anyway: bool,
     as_json: bool,
@@ -101,13 +100,15 @@ def command(
         refuse_to_overwrite(output, force)
     exported.prepare(force)
     design = read_design(design_file)
-    found = None if torque is None else _designed(design, torque, direction, groove2 == "given")
-    cams = (1,) if groove2 == "given" else (1, 2)
+    given = design.mechanism()
+    keeps_groove2 = _keeps_groove2(given, groove2)
+    found = None if torque is None else _designed(given, torque, direction, keeps_groove2)
+    cams = (1,) if keeps_groove2 else (1, 2)
     with _with_groove(design, found, cams) as judged:
         if exported.files:
             judge(judged, anyway, as_json)
         verdict = None if exported.files else _verdict(judged)
-    mechanism = design.mechanism() if found is None else found.mechanism
+    mechanism = given if found is None else found.mechanism
     files = exported.write(design, mechanism)
     if found is not None and output is not None:
         found.table.write(output)
@@ -194,29 +195,32 @@ def _path_from(design_file: Path, table: Path) -> str:
         return target.as_posix()
 
 
-def _designed(design: DesignFile, torque: str, direction: str, keeps_groove2: bool) -> Design:
-    from dualcam.design import design_groove
-
-    mechanism = design.mechanism()
-    wanted = _wanted(torque)
+def _keeps_groove2(mechanism: Mechanism, groove2: str | None) -> bool:
+    """Whether groove 2 is that of the design file. DesignError for equal grooves of unequal radii."""
     radius1, radius2 = mechanism.radius
-    if not keeps_groove2 and radius1 != radius2:
+    if groove2 == "equal" and radius1 != radius2:
         raise DesignError(
             f"cam1.radius = {radius1:g} m, cam2.radius = {radius2:g} m: equal grooves need equal radii; or"
             " give --groove2 given"
         )
+    return groove2 == "given" or radius1 != radius2
+
+
+def _designed(mechanism: Mechanism, torque: str, direction: str, keeps_groove2: bool) -> Design:
+    from dualcam.design import design_groove
+
     if any(mechanism.load_laws):
         mu1, mu2 = mechanism.friction
         text = f"the groove takes friction {mu1:.4g} and {mu2:.4g}, without the dependence on the load"
         warnings.warn(text, DualcamWarning, stacklevel=1)
     return design_groove(
-        wanted,
+        _wanted(torque),
         mechanism.spring,
         mechanism.upper,
         direction=direction,
         groove2=mechanism.grooves[1] if keeps_groove2 else None,
         friction=mechanism.friction,
-        radius=radius1,
+        radius=mechanism.radius[0],
         contacts=mechanism.contacts,
     )
 

@@ -86,8 +86,10 @@ def command(fmu: str, fmi: str | None, variables: str, shows_all: bool, as_json:
             else:
                 say(_short(group))
     if not (shows_all or variables):
-        say("\n--all: each variable with unit, start value, range and description. --variables spring: those"
-            " with this text in their names.")
+        say(
+            "\n--all: each variable with unit, start value, range and description. --variables spring: those"
+            " with this text in their names."
+        )
 
 
 def _listed(description: ModelDescription, text: str) -> list[Variable]:

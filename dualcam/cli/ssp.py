@@ -23,9 +23,7 @@ from dualcam.cli.output import print_json, require_folder_of, say, say_where_it_
 @click.option("--ports", is_flag=True, help="The system gets the ports of the cam.")
 @anyway
 @as_json
-def command(
-    design_file: Path, output: Path, step: float, ports: bool, anyway: bool, as_json: bool
-) -> None:
+def command(design_file: Path, output: Path, step: float, ports: bool, anyway: bool, as_json: bool) -> None:
     """Make an SSP package (SSP 1.0) with the FMU of a design.
 
     The package has one component, `cam`, and the parameters of the design as parameter set `start`. The

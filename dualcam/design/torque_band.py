@@ -10,6 +10,8 @@ from dualcam.design.mechanism import Mechanism
 from dualcam.design.statics import Array
 from dualcam.errors import DesignError
 
+NOT_LOCKING = "without torque the spring turns the cam back, a torque inside the band holds it"
+
 
 @dataclass(frozen=True, eq=False)
 class TorqueBand:
@@ -63,7 +65,7 @@ class TorqueBand:
                 " drive the cam back there"
             )
         else:
-            lines.append("not self-locking: the spring drives the cam back at each angle")
+            lines.append(f"not self-locking: {NOT_LOCKING}")
         if self.jams:
             at = self.theta[np.isinf(self.load)][0]
             lines.append(f"jams when loading from theta = {at:.4g} rad on: the FMU refuses this mechanism")

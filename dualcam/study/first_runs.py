@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import math
 import re
 import time
 import warnings
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from contextlib import closing
 from dataclasses import replace
 
@@ -14,10 +15,12 @@ import numpy as np
 from dualcam.errors import DualcamError, DualcamWarning
 from dualcam.reals import Array
 from dualcam.study.checking import Parts, Variables, check_parts, is_meant, percent
+from dualcam.study.history import Number
 from dualcam.study.plan import Plan
 from dualcam.study.problem import Findings, refuse
 from dualcam.study.runner import Job, Runner
-from dualcam.study.scenario import Scenario
+from dualcam.study.sampling.formula import formula
+from dualcam.study.scenario import SAME_TIME, Scenario
 from dualcam.study.sound_plan import is_sound_name, names_known, place_of, sound_plan
 
 SAMPLE = 32  # runs by which the time of a study is estimated
@@ -48,6 +51,7 @@ def check(job: Job, plan: Plan, used: Collection[str] = ()) -> Runner:
         raise
     try:
         rows = plan.rows(0, LOOKED_AT)
+        _warn_of_period(job, rows)
         refuse([*_problems_of_texts(runner, job, rows), *_problem_of_scenarios(runner, job, rows)])
     except BaseException:
         runner.close()
@@ -145,6 +149,37 @@ def _problem_of_scenarios(runner: Runner, job: Job, rows: Array, warns: bool = T
     if warns:
         warnings.warn(DualcamWarning(f"{percent(len(failed) / len(rows))} {said}"), stacklevel=4)
     return []
+
+
+def _warn_of_period(job: Job, rows: Array) -> None:
+    """Warns where the controller's last period does not end with the run."""
+    scenario = job.scenario
+    if scenario.controller is None:
+        return
+    period, stop = (_in_rows(each, job.names, rows) for each in (scenario.controller.period, scenario.stop))
+    with np.errstate(all="ignore"):  # of runs that are no scenario
+        count = stop / period
+        uneven = np.flatnonzero(np.abs(count - np.round(count)) > SAME_TIME * count)
+    if not len(uneven):
+        return
+    run = uneven[0]
+    where = "" if len(uneven) == len(rows) else f", {percent(len(uneven) / len(rows))}, such as run {run}"
+    fault = "is longer than" if count[run] < 1.0 else "does not divide"
+    last = math.floor(count[run]) * period[run]
+    warnings.warn(
+        DualcamWarning(
+            f"scenario{where}: controller.period = {period[run]:.6g} s {fault} the run of {stop[run]:.6g} s."
+            f" The law is asked for the last time at {last:.6g} s, {stop[run] - last:.6g} s before the end"
+        ),
+        stacklevel=4,
+    )
+
+
+def _in_rows(number: Number, names: Sequence[str], rows: Array) -> Array:
+    """A number or a formula in each row, shape (rows,)."""
+    if not isinstance(number, str):
+        return np.full(len(rows), number)
+    return formula(number).numbers(dict(zip(names, rows.T, strict=True)), len(rows))
 
 
 def _problems_of_texts(runner: Runner, job: Job, rows: Array) -> list[str]:

@@ -251,10 +251,16 @@ def _of_formula(number: Number) -> list[str]:
     if not isinstance(number, str):
         return []
     try:
-        formula(number)
+        found = formula(number)
+        if found.names:
+            return []
+        value = found({})
     except StudyError as error:
         return [str(error)]
-    return []
+    return [
+        f"{number!r}, a text in which no name varies: allowed is a number, such as {value:.12g}, a number"
+        " with its unit in quotes, or a formula of names that vary"
+    ]
 
 
 def problem_of_number(name: str, number: Number, above: float = 0.0) -> list[str]:

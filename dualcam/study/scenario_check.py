@@ -54,7 +54,7 @@ def _check_controller(scenario: Scenario, control: Controller, findings: Finding
         text = f"create_law = {law!r}: allowed is a function of a module"
         _note(findings, "controller", [text], "create_law")
     if findings.is_sound("scenario", "controller", "period"):
-        _note(findings, "controller", problem_of_number("period", control.period), "period")
+        _note(findings, "controller", problem_of_number("controller.period", control.period), "period")
     for name, number in control.arguments.items():
         if findings.is_sound("scenario", "controller", "arguments", name):
             problems = problem_of_number(f"argument {name}", number, above=-math.inf)

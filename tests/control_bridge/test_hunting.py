@@ -344,6 +344,37 @@ def test_a_controller_with_the_wrong_sign_is_held_at_the_stops():
     assert not any("longer duration" in text for text in found.findings)
 
 
+def test_a_gain_of_the_wrong_sign_does_not_hold():
+    """Without an integral the torque stays the same on a stop: the cam rests there, far from theta."""
+    controller = control.ss([], [], [], -50.0, PERIOD)
+    hysteresis = CamHysteresis(FORWARD, 0.5)
+    with pytest.warns(LimitCycleWarning, match="sign of the controller"):
+        found = hysteresis.limit_cycles(controller, duration=3.0)
+    assert found.holds is False and found.predicted == () and found.simulated == ()
+    assert [text.split(", the FMU")[0].count("rad (") for text in found.findings] == [2, 2]
+
+
+def test_a_weak_gain_of_the_wrong_sign_is_held_by_the_spring():
+    """Both edges of the band rise more steeply over the angle than the torque."""
+    assert RHO[1] * STIFFNESS * LIFT > RHO[-1] * STIFFNESS * LIFT > 3.0
+    found = analysed(control.ss([], [], [], -3.0, PERIOD), duration=3.0)
+    assert found.holds is True and found.findings == ()
+
+
+@pytest.mark.parametrize("pole", [1.5, 40.0])
+def test_an_unstable_controller_is_said_to_be_one(pole):
+    """On a stop the torque is multiplied by the pole each period: 1e12 N.m in 73 periods at a pole of 1.5."""
+    controller = control.ss(pole, 1.0, 1.0, 0.0, PERIOD)
+    found = analysed(controller)
+    assert found.holds is False and found.simulated == ()
+    assert found.findings and all(
+        "grow beyond 1e+12 N.m" in text and f"pole of magnitude {pole:g}, allowed" in text
+        for text in found.findings
+    )
+    (text,) = analysed(controller, check=False).findings
+    assert f"unstable: it has a pole of magnitude {pole:g}" in text and "Run the check" in text
+
+
 def test_ranges_are_shown_with_digits_that_differ():
     """Slow integrators: at the end of the run the cam creeps, or rests off the reference."""
     slow, crawling = (analysed(pi_controller(20.0, integral), duration=2.0) for integral in (5.0, 0.01))

@@ -12,6 +12,9 @@ from numpy.polynomial import Chebyshev
 
 import dualcam
 from dualcam import OperatingPointError
+from dualcam.errors import DualcamWarning
+
+pytestmark = pytest.mark.filterwarnings("ignore:.*no equilibrium")
 
 
 def central(f, x, h):
@@ -126,8 +129,35 @@ def test_frozen_nothing_moves():
     assert edge(-1, 0.5) < point.tau < edge(+1, 0.5)
     assert (point.alpha, point.mode) == (0.0, 1)
     assert dualcam.linearize(FORWARD, 0.5, tau=3.0, at_rest="frozen").operating_point.tau == 3.0
-    slips = dualcam.linearize(FORWARD, 0.5, tau=5.0)
-    assert slips.operating_point.alpha == pytest.approx((5.0 - edge(+1, 0.5)) / INERTIA)
+
+
+@pytest.mark.parametrize(
+    ("omega", "tau", "steady", "remedy"),
+    [
+        (0.0, 5.0, edge(+1, 0.5), "give at_rest = 'loading' and leave tau out"),
+        (0.0, 1.0, edge(-1, 0.5), "give at_rest = 'releasing' and leave tau out"),
+        (2.0, 5.0, edge(+1, 0.5), "keeps the speed: leave tau out"),
+    ],
+)
+def test_a_point_that_is_no_equilibrium_is_said_to_be_none(omega, tau, steady, remedy):
+    """Coulomb friction: the torque of steady slip is the edge of the stick band."""
+    alpha = (tau - steady) / INERTIA
+    text = rf"alpha = {alpha:.4g} rad/s2.* tau = {steady:.4g} N.m .*{remedy}"
+    with pytest.warns(DualcamWarning, match=text):
+        point = dualcam.linearize(FORWARD, 0.5, omega, tau).operating_point
+    assert point.alpha == pytest.approx(alpha)
+    plant = dualcam.to_nonlinear_io_system(FORWARD, "tau", "theta")
+    with pytest.warns(DualcamWarning, match=text):
+        control.linearize(plant, [0.5, omega], tau)
+
+
+@pytest.mark.filterwarnings("error::dualcam.errors.DualcamWarning")
+def test_no_warning_at_an_equilibrium():
+    """Also for a torque with four digits of it."""
+    for model in ({"at_rest": "loading"}, {"at_rest": "frozen"}, {"tau": 3.0, "at_rest": "frozen"}):
+        dualcam.linearize(FORWARD, 0.5, **model)
+    dualcam.linearize(FORWARD, 0.5, 2.0)
+    dualcam.linearize(FORWARD, 0.5, 2.0, float(f"{edge(+1, 0.5):.4g}"))
 
 
 def step_columns(slave, parameters, point, period):

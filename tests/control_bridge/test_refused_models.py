@@ -71,6 +71,21 @@ def test_model_exchange_without_inertia():
         dualcam.linearize(FORWARD, 0.5, 1.0, parameters=nothing)
 
 
+@pytest.mark.parametrize("period", [None, PERIOD])
+@pytest.mark.parametrize("theta", [-0.1, UPPER + 0.1])
+def test_a_run_does_not_begin_outside_the_stops(period, theta):
+    """Alone and in a loop. Where a solver ended beyond a stop, by 1e-3 of the room, is accepted."""
+    plant = dualcam.to_nonlinear_io_system(FORWARD, "tau", "theta", period=period)
+    loop = control.interconnect([plant], inputs="tau", outputs="theta")
+    time, tau = PERIOD * np.arange(3), np.ones(3)
+    for system in (plant, loop):
+        with refused(f"theta = {theta:g}", "0" if theta < 0.0 else "1.3963"):
+            control.input_output_response(system, time, tau, [theta, 0.0])
+        control.input_output_response(system, time, tau, [UPPER, 0.0])
+    if period is None:
+        control.input_output_response(plant, time, tau, [UPPER + 1e-3, 0.0])
+
+
 def test_bounces_need_a_sampled_system():
     with refused("stop.restitution", "period"):
         dualcam.to_nonlinear_io_system(FORWARD, parameters={"stop.restitution": 0.3})

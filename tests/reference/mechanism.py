@@ -144,9 +144,7 @@ class Mechanism:
         v = slip.sigma * omega
         return self.laws[0].at(v * first, loads[0]), self.laws[1].at(v * second, loads[1])
 
-    def balance(
-        self, kin: Kinematics, slip: Slip, omega: Number = 0, axial: Number | None = None
-    ) -> Balance:
+    def balance(self, kin: Kinematics, slip: Slip, omega: Number = 0, axial: Number | None = None) -> Balance:
         if (self.friction_varies and omega != 0) or (self.is_loaded and axial is not None):
             return self._balance(kin, slip, self.friction(kin, slip, omega, axial))
         known = self._balances.get(slip)

@@ -200,9 +200,7 @@ def _warn_of_unit(name: str, values: Array) -> None:
 # ---- what both share ----
 
 
-def _lines(
-    text: str, separator: str | None, example: str
-) -> tuple[Lines, Lines, str | None]:
+def _lines(text: str, separator: str | None, example: str) -> tuple[Lines, Lines, str | None]:
     """Lines with content, comments, and the separator that is given or that a first line gives."""
     lines, comments = lines_of(text)
     written, left = without_separator_line(lines)

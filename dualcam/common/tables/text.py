@@ -16,9 +16,7 @@ MARKS = {b"\xff\xfe": "utf-16", b"\xfe\xff": "utf-16"}  # first bytes of an enco
 ZIP = b"PK\x03\x04"
 EMPTY = ";, \t\"'"  # what a line without content has
 # A comment stands alone in its line, or behind a number: the # of a text such as "run #1" is none.
-COMMENT_BEHIND = re.compile(
-    r"""((?:^|[;,\t ])["']?[+-]?[\d.,]+(?:[eE][+-]?\d+)?["']?[;,\t ]*)#.*"""
-)
+COMMENT_BEHIND = re.compile(r"""((?:^|[;,\t ])["']?[+-]?[\d.,]+(?:[eE][+-]?\d+)?["']?[;,\t ]*)#.*""")
 
 
 class Line(NamedTuple):

@@ -144,7 +144,7 @@ class Simulation:
         depend on e_i, over D: after its zero it lies on the other flank if D keeps its sign. Where both are
         zero (I = 0 and the load passes zero) x_1 is in proportion to n_2/D and x_2 to n_1/D."""
         now = slide.motion(t, (self.theta, self.omega))
-        zero = [abs(x) <= 1e-9 * size for x, size in ((now.x1, now.size1), (now.x2, now.size2))]
+        zero = [abs(x) <= 1e-6 * size for x, size in ((now.x1, now.size1), (now.x2, now.size2))]
         first = (-slide.e[0] if zero[0] else slide.e[0], -slide.e[1] if zero[1] else slide.e[1])
         terms = {e: self._terms(slide, t, e) for e in PAIRS}
         if all(zero):

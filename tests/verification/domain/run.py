@@ -60,9 +60,7 @@ def outcomes(options: argparse.Namespace) -> Iterator[Outcome]:
 
 
 def table(found: list[Outcome]) -> str:
-    lines = [
-        "         class  scenes  wrong  refused  open     error       cut  residual"
-    ]
+    lines = ["         class  scenes  wrong  refused  open     error       cut  residual"]
     for kind in sorted({o.kind for o in found}):
         rows = [o for o in found if o.kind == kind]
         judged = [o for o in rows if not o.open and not o.refusal]

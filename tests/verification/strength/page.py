@@ -168,9 +168,7 @@ def main() -> None:
         if (RESULTS / f"{name}.csv").exists():
             text += part(read(name))
         else:
-            print(
-                f"{RESULTS / name}.csv is missing, the page leaves this part out: ./build.sh {name}"
-            )
+            print(f"{RESULTS / name}.csv is missing, the page leaves this part out: ./build.sh {name}")
     PAGE.write_text(text)
 
 
