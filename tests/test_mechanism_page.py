@@ -224,7 +224,7 @@ def test_loop_of_the_picture():
     ],
 )
 def test_the_pair_of_an_axial_load_without_moment(lead, above, below):
-    """While the mechanism releases: the one pair whose reactions, as vectors, have the signs of its flanks."""
+    """While releasing: the one pair whose reactions, as vectors, have the signs of its flanks."""
     for axial, pair in ((100.0, above), (-100.0, below)):
         carry = []
         for flank in ((1, 1), (1, -1), (-1, 1), (-1, -1)):
