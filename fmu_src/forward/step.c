@@ -103,9 +103,6 @@ static bool carry_out(Mechanism *m, StepRun *run, const Segment *segment) {
     past.mode = m->state.mode;
     if (visitor != NULL) past.inputs = m->inputs;
     segment_apply(m, segment);
-#ifdef DUALCAM_TRACE
-    fprintf(stderr, "seg kind %d end %d dur %.6g theta %.17g omega %.6g mode %d flank %d %d crossed %d %d left %.6g\n", segment->kind, segment->end, segment->duration, m->state.theta.hi, m->state.omega.hi, m->state.mode, m->state.flank[0], m->state.flank[1], segment->crossed[0], segment->crossed[1], run->left);
-#endif
     past.omega = m->state.omega.hi;
     handle_event(m, direction_of(past.mode), segment->end);
     if (segment->finds_speed) jump_find_speed(m);
