@@ -120,13 +120,14 @@ def _curves(design: DesignFile, verdict: Verdict) -> list[str]:
     """Torque band, reactions, what lasts and, where there is a scenario, the simulation."""
     mechanism = design.mechanism()
     band = torque_band(mechanism, 361)
-    sections = [_band(design, band), _reactions(design, mechanism), *durability_sections(design, mechanism)]
+    sections = [_band(design, band, verdict), _reactions(design, mechanism)]
+    sections += durability_sections(design, mechanism)
     if verdict.good and design.scenario is not None:
         sections.append(_simulation(simulate(design), band))
     return sections
 
 
-def _band(design: DesignFile, band: TorqueBand) -> str:
+def _band(design: DesignFile, band: TorqueBand, verdict: Verdict) -> str:
     locking = "yes: the spring cannot turn the cam back" if band.self_locking else f"no: {NOT_LOCKING}"
     rows = [
         ("torque to load", "infinite: the mechanism jams" if band.jams else f"{span(band.load)} N.m"),
@@ -136,6 +137,8 @@ def _band(design: DesignFile, band: TorqueBand) -> str:
         ("range of theta", f"{np.degrees(band.theta[0]):.4g} to {np.degrees(band.theta[-1]):.4g} deg"),
         ("stroke of the follower", f"{1e3 * (band.z[-1] - band.z[0]):.4g} mm"),
     ]
+    if verdict.numbers is not None:
+        rows.append(("motion under friction", verdict.numbers.friction_words()))
     text = "Between the two edges friction holds the cam at rest. Slow motion, without damper and F_ext."
     text = " ".join(filter(None, [text, design.friction_note()]))
     return (

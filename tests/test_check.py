@@ -240,6 +240,27 @@ def test_self_locking_may_be_meant(design):
     assert check_design(design('cam1.lead_angle = "6 deg"\nlimits.self_locking = true')).good
 
 
+@pytest.mark.parametrize(
+    "leads, words",
+    [
+        ((45, 45), "one motion under every load (unique)"),
+        ((6, 45), "one motion under every load (unique)"),
+        ((6, 6), "several motions or none under some loads, where a fixed rule chooses (self-locking)"),
+    ],
+)
+def test_the_class_of_the_mechanism_is_said_in_words(design, leads, words):
+    """By the least Delta/r^3 of the corners: d_i = 1 - f_i s_i and n_i = s_i + f_i on equal radii. One locked
+    contact alone leaves Delta > 0."""
+    s = [math.tan(math.radians(lead)) for lead in leads]
+    corners = [(f, g) for f in (-0.14, 0.14) for g in (-0.14, 0.14)]
+    least = min((1 - f * s[0]) * (s[1] + g) + (1 - g * s[1]) * (s[0] + f) for f, g in corners)
+    text = "limits.self_locking = true\n" + "".join(
+        f'cam{i}.lead_angle = "{lead} deg"\n' for i, lead in enumerate(leads, 1)
+    )
+    numbers = check_design(design(text)).numbers
+    assert f"friction: {words}" in numbers.lines() and numbers.friction_class == (1 if least > 0 else 2)
+
+
 def test_default_limits_of_the_lead_angle_only_warn(design):
     verdict = check_design(design('cam1.lead_angle = "82 deg"\ncam2.lead_angle = "30 deg"'))
     assert verdict.good and [finding.severity for finding in verdict.findings] == ["warning"]

@@ -618,6 +618,7 @@ def test_check_gives_the_key_numbers_of_a_good_design(design, capsys):
         "torque given back: ",
         f"efficiency: {100 * efficiency:.4g} %",
         "self-locking: no",
+        "friction: one motion under every load (unique)",
         f"stroke of the follower: {20 * np.radians(80) / 2:.4g} mm",
         "MPa, at theta = 80 deg on cam 1; limit 1500 MPa (the default); Young's modulus of the pin 210 GPa",
         "my.toml: the design works, the FMU starts.",

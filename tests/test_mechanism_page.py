@@ -215,6 +215,25 @@ def test_loop_of_the_picture():
         assert fmu.real("energy.heat_cam1") + fmu.real("energy.heat_cam2") == pytest.approx(area, abs=5e-4)
 
 
+@pytest.mark.parametrize(
+    "lead, above, below",
+    [
+        ((0.8, 0.9), (1, 1), (-1, -1)),
+        ((0.1, 0.9), (1, -1), (-1, -1)),  # contact 1 is locked: mu = tan(0.139)
+        ((0.8, 0.1), (-1, 1), (-1, -1)),
+    ],
+)
+def test_the_pair_of_an_axial_load_without_moment(lead, above, below):
+    """While releasing: the one pair whose reactions, as vectors, have the signs of its flanks."""
+    for axial, pair in ((100.0, above), (-100.0, below)):
+        carry = []
+        for flank in ((1, 1), (1, -1), (-1, 1), (-1, -1)):
+            R_1, R_2, _ = newton_euler(lead, (0.02, 0.028), (0.14, 0.14), -1, flank, axial, 0.0)
+            if flank[0] * R_1 > 0 and flank[1] * R_2 > 0:
+                carry.append(flank)
+        assert carry == [pair]
+
+
 # ---- sections 4 to 7 ----
 
 

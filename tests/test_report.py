@@ -93,6 +93,7 @@ def test_the_report_has_the_numbers_that_are_asked_for(design):
     assert f"largest contact pressure {max(pressures) / 1e6:.4g} MPa {place}" in words
     assert "allowed contact pressure 900 MPa Young's moduli pin 210 GPa, cams 110 GPa" in words
     assert "line contact by Hertz" in words
+    assert "motion under friction one motion under every load (unique)" in words
     assert "F_ext is an external axial force on the follower" in words
 
 

@@ -143,12 +143,12 @@ def verdict() -> str:
   scenes. Of the {number:,} extreme random scenes of [stress.md](stress.md) {amount} wrong: {counts}.
   {refused:,} of them are refused with a message: [limits.md](limits.md#when-a-step-is-refused) has the
   remedies. {long_fuzzing()}
-  [Fuzzing](#fuzzing) has the runs, and [limits.md](limits.md#found-by-random-scenes) what they found.
+  [Fuzzing](#fuzzing) has the runs.
 - **Do the equations describe a real cam?** Not shown. No hardware was measured for this project. The paper
   behind it compares its model with a bench: [paper.md](paper.md). Clearance of the grooves, an elastic pin
   and heat are not in the FMUs: [limits.md](limits.md#of-the-model).
-- **What is known to be wrong?** [limits.md](limits.md#found-by-random-scenes) and
-  [stress.md](stress.md#wrong).
+- **What is known to be wrong?** [stress.md](stress.md#wrong) lists runs that came out wrong,
+  [limits.md](limits.md) what the model leaves out.
 - **Can an FMU end or block my process?** No way is known in a host that masks floating-point traps, as hosts
   do: [hosts.md](hosts.md). Each step ends after a bounded number of operations, about two seconds at most.
   A fault of the host gives a message.

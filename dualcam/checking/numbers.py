@@ -26,6 +26,11 @@ from dualcam.durability import (
     wear_words,
 )
 
+FRICTION_CLASSES = {  # by the FMU's friction_class
+    1: "one motion under every load (unique)",
+    2: "several motions or none under some loads, where a fixed rule chooses (self-locking)",
+}
+
 
 @dataclass(frozen=True)
 class LargestPressure:
@@ -69,6 +74,8 @@ class KeyNumbers:
         Least and largest torque given back over torque to load, at the same angle [1].
     self_locking : bool
         Whether the spring cannot turn cam 2 back at some angle.
+    friction_class : {1, 2}
+        The FMU's variable: 1 unique, 2 self-locking. docs/mechanism.md, section 3, has both classes.
     stroke : float
         Way of the follower from stop to stop [m].
     pressure : LargestPressure or None
@@ -85,6 +92,7 @@ class KeyNumbers:
     release: tuple[float, float]
     efficiency: tuple[float, float]
     self_locking: bool
+    friction_class: int
     stroke: float
     pressure: LargestPressure | None
     roller: RollerNumbers | None = None
@@ -104,10 +112,15 @@ class KeyNumbers:
             f"torque given back: {span(np.array(self.release))} N.m",
             f"efficiency: {span(100.0 * np.array(self.efficiency))} %",
             f"self-locking: {locking}",
+            f"friction: {self.friction_words()}",
             f"stroke of the follower: {1e3 * self.stroke:.4g} mm",
             f"contact pressure: {self._pressure_in_words()}",
             *self._durability_lines(),
         ]
+
+    def friction_words(self) -> str:
+        """The class of the mechanism under friction."""
+        return FRICTION_CLASSES[self.friction_class]
 
     def _durability_lines(self) -> list[str]:
         """Shear stress, roller, spring and wear, as far as they are known."""
@@ -144,13 +157,15 @@ class KeyNumbers:
         )
 
 
-def key_numbers(design: DesignFile) -> KeyNumbers:
+def key_numbers(design: DesignFile, friction_class: int) -> KeyNumbers:
     """The key numbers of a design that works.
 
     Parameters
     ----------
     design : DesignFile
         A design whose check finds no error.
+    friction_class : {1, 2}
+        The FMU's variable at the start.
 
     Returns
     -------
@@ -163,6 +178,7 @@ def key_numbers(design: DesignFile) -> KeyNumbers:
         release=_ends(band.release),
         efficiency=_ends(band.efficiency),
         self_locking=band.self_locking,
+        friction_class=friction_class,
         stroke=float(band.z[-1] - band.z[0]),
         pressure=None if design.pin is None else _largest_pressure(design, mechanism, design.pin),
         roller=roller_numbers(design),

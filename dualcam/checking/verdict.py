@@ -122,12 +122,13 @@ def check_design(design: DesignSource) -> Verdict:
     """
     design = as_design(design, shows_findings=True)
     found = troubles(design)
-    refusal = start_refusal(design)
+    start = _start_of(design)
+    refusal = start.refusal
     causes = [warning for warning in design.warnings if warning.kind == UNIT and warning.key not in NO_CAUSE]
     if causes:
         findings = [trouble.finding for trouble in found]
     else:
-        search = Search(design, found, start_refusal)
+        search = Search(design, found, lambda other: _start_of(other).refusal)
         findings = [search.mended(trouble) for trouble in found]
     has_errors = any(finding.severity == ERROR for finding in findings)
     if has_errors and not causes and (swapped := swap_warning(design)):
@@ -141,20 +142,27 @@ def check_design(design: DesignSource) -> Verdict:
     placed = [finding.at_line(_line(design, finding.key)) for finding in findings]
     others = [warning for warning in design.warnings if warning not in causes]
     ordered = sorted([*placed, *others], key=lambda finding: finding.severity != ERROR)
-    numbers = None if refusal or has_errors else key_numbers(design)
+    numbers = None if refusal or has_errors else key_numbers(design, start.friction_class)
     return Verdict(design.name, design.model, not refusal, (*causes, *ordered), design.notes, numbers)
 
 
-def start_refusal(design: DesignFile) -> str:
-    """The FMU's message if the FMU does not start with the design's parameters, else an empty text."""
+@dataclass(frozen=True)
+class _Start:
+    """The start of the FMU with a design: its refusal, empty if it starts, or its friction class."""
+
+    refusal: str
+    friction_class: int = 0
+
+
+def _start_of(design: DesignFile) -> _Start:
     from dualcam.fmu import Fmu
 
     with Fmu(fmu_path(design.model)) as fmu, units_checked_before():
         try:
             fmu.start(design.parameters_for() | _first_inputs(design))
         except FmuError as error:
-            return str(error)
-    return ""
+            return _Start(str(error))
+        return _Start("", int(fmu.get("friction_class")))
 
 
 def _first_inputs(design: DesignFile) -> dict[str, float]:

@@ -145,7 +145,7 @@ class DifferentiableFleet(ProcessBound):
     at the stop.
 
     At rest inside the stick band the angle does not depend on the torque: the derivative is 0. All
-    derivatives of a step are 0 if the contacts jam in it after they have moved, and those by a
+    derivatives of a step are 0 if the contacts wedge in it after they have moved, and those by a
     `friction_peak` of 1.
     """
 

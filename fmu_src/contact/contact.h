@@ -12,7 +12,7 @@
  * Three words for contacts that block:
  *   locked  one contact: its lead angle does not exceed its friction angle (n_i <= 0 when releasing), so that the axial
  *           load cannot turn the cam back. With one contact locked, releasing needs tau < 0.
- *   jammed  the pair, when loading: Delta <= 0, so that T_load is infinite. Such parameters are refused (check.h).
+ *   jammed  the pair, when loading: Delta <= 0, so that T_load is infinite. Such parameters are refused (domain.h).
  *   wedged  the pair, in one direction: no pair of flanks agrees with its own reactions, so that no torque moves the
  *           mechanism this way, and it rests. */
 #ifndef DUALCAM_CONTACT_H
