@@ -471,6 +471,18 @@ def test_each_command_says_that_a_radius_of_20_looks_like_millimetres(design, ca
     assert "cam1.radius = 20 m: this looks like millimetres; 20 mm is 0.02 m" in said.out + said.err
 
 
+def test_unequal_radii_keep_groove_2(design, capsys):
+    """Equal grooves need equal radii. The answer has the lines for cam 1 alone, and the radii stand."""
+    text = design.read_text(encoding="utf-8").replace('radius = "20 mm"', 'radius = "15 mm"', 1)
+    design.write_text(text, encoding="utf-8")
+    wanted = Path("torque.csv")
+    wanted.write_text("theta_deg,torque_Nm\n0,1\n20,3\n50,6\n80,9\n", encoding="utf-8")
+    said = spoken(capsys, "design", "my.toml", "--torque", str(wanted), "-o", "groove.csv").out
+    assert "Replace the lines profile and table in your [cam1] of my.toml" in said and "[cam2]" not in said
+    said = spoken(capsys, "design", "my.toml", "--torque", "5", "-o", "g.csv", "--groove2", "equal", code=1)
+    assert "equal grooves need equal radii" in said.err
+
+
 def test_a_groove_is_found_from_the_folder_of_its_design_file(design, folder, capsys):
     """`dualcam design` prints the path as the design file needs the path, wherever the command runs."""
     (folder / "designs").mkdir()
