@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "contact/domain.h"
 #include "forward/configuration.h"
 #include "forward/stick.h"
 #include "numerics/sign.h"
@@ -48,9 +49,11 @@ static Mode slip_mode(int direction) {
     return direction > 0 ? MODE_LOADING : MODE_RELEASING;
 }
 
-/* Has the motion just left this pair, as a reaction passed zero? */
+/* Has the motion just left this pair for good, as a reaction passed zero? In the unique class some pair carries each load: where
+ * the next piece of a groove begins at that place, it may be this one. */
 static bool is_left(const Mechanism *m, int direction, const int flank[2]) {
-    return (m->crossed[0] || m->crossed[1]) && m->state.mode == slip_mode(direction) && flank[0] == m->state.flank[0] &&
+    const bool crosses = (m->crossed[0] || m->crossed[1]) && m->state.friction_class != FRICTION_CLASS_UNIQUE;
+    return crosses && m->state.mode == slip_mode(direction) && flank[0] == m->state.flank[0] &&
            flank[1] == m->state.flank[1];
 }
 
