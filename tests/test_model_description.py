@@ -141,6 +141,7 @@ cam1.friction_power W - local
 cam2.friction_power W - local
 wear.cam1 m3 - local
 wear.cam2 m3 - local
+friction_class 1 - local
 torque_load N.m - local
 torque_release N.m - local
 efficiency 1 - local
