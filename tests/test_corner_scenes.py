@@ -1,0 +1,241 @@
+"""Scenes at the border of what happens every day, in one table.
+
+Each is played whole and cut into steps. The reference of verification/domain decides by docs/mechanism.md, sections 3,
+6 and 9, alone: angle, speed, mode and events agree with it, the energy closes, and no heat falls. Where a groove is
+sampled, a closed form takes the place of the reference. What has no answer is refused, and the message names what would
+work.
+"""
+
+import math
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from driver import FORWARD, OK
+from numpy.polynomial import Polynomial
+from reference import LOADING, LOWER_STOP, RELEASING, STICK, WEDGED, write_table
+from verification.domain.domain import REFUSED, UNIQUE, classify
+from verification.domain.mechanics import Mechanism
+from verification.domain.play import cut, falling_heats, play, residual
+from verification.domain.reference import Interval, solve
+
+TOLERANCE, LIMIT = 1e-9, 10.0  # of the FMU; allowed errors, in tolerances
+HALVES, MANY = (0.5,), tuple(np.arange(1, 20) / 20)
+# s: from less than a unit in the last place of a time to far beyond the range in which rounding decides
+DISTANCES = [0.0, *(s * d for d in (1e-17, 3e-16, 5e-15, 1e-12, 1e-9, 1e-5) for s in (1, -1))]
+
+
+class Scene(NamedTuple):
+    params: dict
+    intervals: list[Interval]
+    cuts: list[tuple[float, ...]] = [HALVES, MANY]  # shares of each interval
+    counts: bool = True  # rounding does not make events of no duration
+
+
+def both(**values):
+    return {f"cam{i}.{name}": value for i in (1, 2) for name, value in values.items()}
+
+
+def scales(scene, points):
+    """rad and rad/s in which errors are measured."""
+    p, path = scene.params, [scene.params.get("initial.theta", 0.0), *(point.theta for point in points)]
+    mean = [abs(b - a) / i.duration for (a, b), i in zip(pairwise(path), scene.intervals, strict=True)]
+    span = p.get("stop.upper", 1.3963) - p.get("stop.lower", 0.0)
+    return span, max(1e-6, abs(p.get("initial.omega", 0.0)), *mean, *(abs(point.omega) for point in points))
+
+
+def check(library, scene):
+    verdict = classify(scene.params, scene.intervals[0].f_ext[0])
+    assert verdict.kind != REFUSED and not verdict.border
+    points = solve(scene.params, scene.intervals, verdict.kind == UNIQUE)
+    span, fastest = scales(scene, points)
+    follows_band = not (Mechanism(scene.params).inertial or Mechanism(scene.params).damped)
+    for cuts in [(), *scene.cuts]:
+        parts = [cut(i, [share * i.duration for share in cuts]) for i in scene.intervals]
+        rows = play(library, scene.params, parts, TOLERANCE)
+        assert falling_heats(rows) == [], cuts
+        for row, point in zip(rows, points, strict=True):
+            assert row["theta"] == pytest.approx(point.theta, rel=0, abs=LIMIT * TOLERANCE * span), cuts
+            if not follows_band:
+                assert row["omega"] == pytest.approx(point.omega, rel=0, abs=LIMIT * TOLERANCE * fastest), cuts
+            assert row["mode"] == point.mode, cuts
+            assert point.doubtful or not scene.counts or row["events"] == point.events, cuts
+            assert residual(row) <= TOLERANCE, cuts
+
+
+# ---- a torque on the edge of the stick band ----
+
+START = 0.5  # rad
+STRIBECK = both(friction_peak=1.5, stribeck_velocity=0.02, friction_viscous=0.02)
+LOADED = both(friction_load_exponent=-0.2, friction_load=80.0)
+ELLIPSES = both(profile=2, lead_angle=0.8, ellipse_a=0.06, ellipse_b=0.05)
+DAMPED = {"damper.c_load": 20.0, "damper.c_release": 20.0}
+MASSLESS = {"inertia.shaft": 0.0}
+# A contact that locks under F > 0 when releasing, the other one not: the edge that releases is below zero.
+LOCKED = {"cam1.friction": 0.4, "cam1.lead_angle": 0.2, "cam2.friction": 0.1, "cam2.lead_angle": 0.6}
+# Releasing under F > 0 no torque moves it: the edge is infinite.
+HELD = {
+    **{"cam1.radius": 0.0382, "cam1.friction": 0.4, "cam1.lead_angle": 0.131},
+    **{"cam2.radius": 0.0278, "cam2.friction": 0.051, "cam2.lead_angle": 0.1645},
+}
+MECHANISMS = {
+    "helices": {},
+    "follower mass": {"inertia.follower_mass": 0.5},
+    "all inertias": {"inertia.follower_mass": 0.5, "inertia.follower": 1e-4},
+    "damper": DAMPED,
+    "self-locking": LOCKED,
+    "ellipses": ELLIPSES,
+    "ellipses, curved spring": ELLIPSES | {"spring.stiffness2": 1e5},
+    "friction by speed": STRIBECK,
+    "friction by load": LOADED,
+    "play": MASSLESS,
+    "play, ellipses": MASSLESS | ELLIPSES,
+    "play, friction by load": MASSLESS | LOADED,
+    "viscous": MASSLESS | DAMPED,
+    "viscous, ellipses": MASSLESS | DAMPED | ELLIPSES,
+}
+
+
+def edge(params, theta, sigma=1):
+    mech = Mechanism(params)
+    place = mech.at(theta)
+    return mech.edge_pair(place, sigma, mech.spring_force(place.z))[1]
+
+
+def past_edge(params, order, size):
+    """tau = edge + size ((t - t_0)/h)^order, cut about t_0 = h/2."""
+    h = 0.02
+    tau = edge(params, START) + size * Polynomial([-0.5, 1.0 / h]) ** order
+    at = {"initial.theta": START, "stop.upper": 1.2}
+    near = [(0.5 + d / h,) for d in DISTANCES]
+    return Scene(params | at, [Interval(h, tuple(tau.coef))], [HALVES, *near], counts=order < 3)
+
+
+EDGES = {
+    f"{name}, {word}": past_edge(params, order, size)
+    for name, params in MECHANISMS.items()
+    for word, order, size in (("leaves", 1, 0.2), ("touches", 2, -0.05), ("leaves like t^3", 3, 0.5))
+}
+
+# ---- loads that are zero, or pass zero ----
+
+NO_SPRING = {"spring.preload": 0.0, "spring.stiffness": 0.0}
+PINS = {
+    "helices": both(lead_angle=0.7) | {"cam2.radius": 0.03},
+    "ellipses": ELLIPSES,
+    "follower mass": {"inertia.follower_mass": 0.5},
+    "self-locking": LOCKED,
+    "held": HELD | {"cam1.lead_angle": 0.14},
+}
+
+
+def coasting(params, way, order, force):
+    """Without load at the start; then F_ext = force (t/h)^order."""
+    h = 0.05
+    at = {"initial.theta": START, "initial.omega": way * 2.0, "stop.lower": -1.0}
+    return Scene(NO_SPRING | params | at, [Interval(h, (0.0,), (*[0.0] * order, force / h**order))])
+
+
+LOADS = {
+    f"{name}, {'loading' if way > 0 else 'releasing'}, F_ext like {force:g} t^{order}": coasting(
+        params, way, order, force
+    )
+    for name, params in PINS.items()
+    for way in (1, -1)
+    for order in (1, 2, 3)
+    for force in (0.5, -0.5)
+}
+
+
+def moving(params, omega, *intervals):
+    return Scene(params | {"initial.theta": START, "initial.omega": omega}, list(intervals))
+
+
+WAYS = {"stop.lower": -1.0}
+OTHERS = {
+    # from rest on the free length of the spring
+    "square spring, loading": Scene(WAYS | NO_SPRING | {"spring.stiffness2": 1e6}, [Interval(0.05, (0.1,))]),
+    "square spring, releasing": Scene(
+        WAYS | NO_SPRING | {"spring.stiffness2": 1e6}, [Interval(0.05, (-0.1,))]
+    ),
+    "square spring holds": Scene(
+        WAYS | HELD | NO_SPRING | {"spring.stiffness2": 1e5}, [Interval(0.05, (-0.1,))]
+    ),
+    "cubic spring, releasing": Scene(
+        WAYS | NO_SPRING | {"spring.stiffness3": 1e9}, [Interval(0.05, (-0.1,))]
+    ),
+    "spring loads either way": Scene(
+        WAYS | LOCKED | {"spring.preload": 0.0}, [Interval(0.03, (0.5,)), Interval(0.08, (-0.8,))]
+    ),
+    "damper alone": Scene(
+        NO_SPRING | DAMPED | {"initial.theta": START}, [Interval(0.1, (0.0, 0.0, -2.0)), Interval(0.1, (0.1,))]
+    ),
+    # the axial load passes zero in motion: both flanks turn at once, or one after the other
+    "load passes zero": moving({}, 8.0, Interval(0.03, (1.0,), (0.0, -4e4))),
+    "load passes zero and returns": moving(
+        {}, 8.0, Interval(0.04, (1.0,), (0.0, -6e4, 1.5e6)), Interval(0.05, (4.0,))
+    ),
+    "load passes zero, all inertias": moving(
+        MECHANISMS["all inertias"], 8.0, Interval(0.03, (1.0,), (0.0, -4e4)), Interval(0.03, (3.0,))
+    ),
+    "load passes zero, curved": moving(ELLIPSES | STRIBECK, 8.0, Interval(0.03, (1.0,), (0.0, -6e4))),
+    "load passes zero, self-locking": moving(LOCKED, 8.0, Interval(0.03, (1.0,), (0.0, -4e4))),
+    "load passes zero, releasing": moving(LOCKED, -8.0, Interval(0.03, (-9.0,), (0.0, -8e4))),
+    "load passes zero, viscous": moving(MASSLESS | DAMPED, 0.0, Interval(0.02, (9.0,), (0.0, -1e5))),
+    # loading is locked under F < 0
+    "contacts wedge as the load turns": moving(
+        HELD | {"spring.stiffness": 0.0}, 4.0, Interval(0.05, (0.05,), (0.0, -2e3)), Interval(0.02, (0.5,), (-60.0,))
+    ),
+    "a flattening groove locks": Scene(
+        both(radius=0.03, profile=2, ellipse_a=0.06, ellipse_b=0.06, ellipse_curvature=1, lead_angle=0.09)
+        | {"cam1.friction": 0.4, "cam2.profile": 1, "cam2.friction": 0.05, "cam2.lead_angle": 0.22}
+        | {"spring.preload": 1.0, "spring.stiffness": 0.0, "initial.theta": START, "initial.omega": -3.0},
+        [Interval(0.05, (0.0,)), Interval(0.2, (0.0,)), Interval(0.1, (-2.0,))],
+    ),
+    # stops
+    "bounces that come to rest": Scene(
+        {"stop.restitution": 0.4, "initial.theta": START}, [Interval(0.05, (0.0,)), Interval(1.0, (0.0,))], [MANY]
+    ),
+    "a torque that holds at the stop before it takes away": Scene(
+        ELLIPSES | {"initial.theta": 1.3963}, [Interval(0.2, (9.0, 60.0, -900.0)), Interval(0.1, (0.0,))]
+    ),
+    # extreme lead angles, stiffness, step sizes
+    "steep grooves": moving(both(lead_angle=1.3, friction=0.05), -3.0, Interval(0.02, (40.0,)), Interval(0.02, (90.0, 300.0))),
+    "flat grooves": moving(both(lead_angle=0.09, friction=0.05), -3.0, Interval(0.5, (0.3, 1.0))),
+    "a damper that stops at once": moving(
+        {"inertia.shaft": 1e-6, "damper.c_load": 400.0, "damper.c_release": 100.0}, 300.0, Interval(0.1, (4.0, 10.0))
+    ),
+    "a damper that stops at once, ellipses": moving(
+        ELLIPSES | {"inertia.shaft": 1e-6, "damper.c_load": 200.0, "damper.q_load": 1e3, "damper.c_release": 500.0},
+        *(30.0, Interval(0.05, (4.0, 10.0)), Interval(0.05, (0.0,))),
+    ),
+    "viscous under a steep torque": Scene(
+        MASSLESS | ELLIPSES | {"damper.c_load": 200.0, "damper.q_load": 3000.0, "shaft.damping": 3e-4},
+        [Interval(1e-3, (1.5, 2e3, 3e6, -5e9))],
+    ),
+    "a microsecond": moving(STRIBECK, 5.0, Interval(1e-6, (3.0,)), Interval(1e-6, (3.0, 1e6))),
+    "ten seconds": Scene({"inertia.follower_mass": 0.1} | DAMPED, [Interval(10.0, (0.0, 1.2)), Interval(10.0, (0.0,))]),
+    "friction that changes over 0.5 mm/s": moving(
+        both(friction=0.15, friction_peak=1.8, stribeck_velocity=5e-4), -0.3, Interval(0.01, (5.0,))
+    ),
+}
+TABLE = EDGES | LOADS | OTHERS
+
+
+@pytest.mark.parametrize("name", TABLE)
+def test_scene(library, name):
+    check(library, TABLE[name])
+
+
+def test_steps_that_end_at_breakaway_have_sensitivities(make):
+    """dtheta/dtau is finite however close to the beginning of the motion a step ends."""
+    for params in MECHANISMS.values():
+        scene = past_edge(params, 1, 0.2)
+        h, (first, rate) = scene.intervals[0].duration, scene.intervals[0].tau
+        for distance in DISTANCES:
+            fmu = make().start(scene.params | {"tau": first})
+            fmu.set_derivatives({"tau": [rate]})
+            fmu.step(h / 2 + distance)
+            assert math.isfinite(fmu.get("step.dtheta_dtau")) and math.isfinite(fmu.get("step.domega_dtau"))
+            fmu.free()
