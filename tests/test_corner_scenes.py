@@ -1,9 +1,9 @@
 """Scenes at the border of what happens every day, in one table.
 
-Each is played whole and cut into steps. The reference of verification/domain decides by docs/mechanism.md, sections 3,
-6 and 9, alone: angle, speed, mode and events agree with it, the energy closes, and no heat falls. Where a groove is
-sampled, a closed form takes the place of the reference. What has no answer is refused, and the message names what would
-work.
+Each is played whole and cut into steps. The reference of verification/domain decides by docs/mechanism.md,
+sections 3, 6 and 9, alone: angle, speed, mode and events agree with it, the energy closes, and no heat falls.
+Where a groove is sampled, a closed form takes the place of the reference. What has no answer is refused, and
+the message names what would work.
 """
 
 import math
@@ -12,9 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from driver import FORWARD, OK
 from numpy.polynomial import Polynomial
-from reference import LOADING, LOWER_STOP, RELEASING, STICK, WEDGED, write_table
+from reference import LOADING, RELEASING, STICK, WEDGED, write_table
 from verification.domain.domain import REFUSED, UNIQUE, classify
 from verification.domain.mechanics import Mechanism
 from verification.domain.play import cut, falling_heats, play, residual
@@ -29,7 +28,7 @@ DISTANCES = [0.0, *(s * d for d in (1e-17, 3e-16, 5e-15, 1e-12, 1e-9, 1e-5) for 
 class Scene(NamedTuple):
     params: dict
     intervals: list[Interval]
-    cuts: list[tuple[float, ...]] = [HALVES, MANY]  # shares of each interval
+    cuts: tuple[tuple[float, ...], ...] = (HALVES, MANY)  # shares of each interval
     counts: bool = True  # rounding does not make events of no duration
 
 
@@ -58,7 +57,9 @@ def check(library, scene):
         for row, point in zip(rows, points, strict=True):
             assert row["theta"] == pytest.approx(point.theta, rel=0, abs=LIMIT * TOLERANCE * span), cuts
             if not follows_band:
-                assert row["omega"] == pytest.approx(point.omega, rel=0, abs=LIMIT * TOLERANCE * fastest), cuts
+                assert row["omega"] == pytest.approx(point.omega, rel=0, abs=LIMIT * TOLERANCE * fastest), (
+                    cuts
+                )
             assert row["mode"] == point.mode, cuts
             assert point.doubtful or not scene.counts or row["events"] == point.events, cuts
             assert residual(row) <= TOLERANCE, cuts
@@ -109,7 +110,7 @@ def past_edge(params, order, size):
     tau = edge(params, START) + size * Polynomial([-0.5, 1.0 / h]) ** order
     at = {"initial.theta": START, "stop.upper": 1.2}
     near = [(0.5 + d / h,) for d in DISTANCES]
-    return Scene(params | at, [Interval(h, tuple(tau.coef))], [HALVES, *near], counts=order < 3)
+    return Scene(params | at, [Interval(h, tuple(tau.coef))], (HALVES, *near), counts=order < 3)
 
 
 EDGES = {
@@ -133,7 +134,7 @@ PINS = {
 def coasting(params, way, order, force):
     """Without load at the start; then F_ext = force (t/h)^order."""
     h = 0.05
-    at = {"initial.theta": START, "initial.omega": way * 2.0, "stop.lower": -1.0}
+    at = {"initial.theta": START, "initial.omega": way * 2.0}
     return Scene(NO_SPRING | params | at, [Interval(h, (0.0,), (*[0.0] * order, force / h**order))])
 
 
@@ -169,7 +170,8 @@ OTHERS = {
         WAYS | LOCKED | {"spring.preload": 0.0}, [Interval(0.03, (0.5,)), Interval(0.08, (-0.8,))]
     ),
     "damper alone": Scene(
-        NO_SPRING | DAMPED | {"initial.theta": START}, [Interval(0.1, (0.0, 0.0, -2.0)), Interval(0.1, (0.1,))]
+        NO_SPRING | DAMPED | {"initial.theta": START},
+        [Interval(0.1, (0.0, 0.0, -2.0)), Interval(0.1, (0.1,))],
     ),
     # the axial load passes zero in motion: both flanks turn at once, or one after the other
     "load passes zero": moving({}, 8.0, Interval(0.03, (1.0,), (0.0, -4e4))),
@@ -185,37 +187,44 @@ OTHERS = {
     "load passes zero, viscous": moving(MASSLESS | DAMPED, 0.0, Interval(0.02, (9.0,), (0.0, -1e5))),
     # loading is locked under F < 0
     "contacts wedge as the load turns": moving(
-        HELD | {"spring.stiffness": 0.0}, 4.0, Interval(0.05, (0.05,), (0.0, -2e3)), Interval(0.02, (0.5,), (-60.0,))
+        HELD | {"spring.stiffness": 0.0},
+        4.0,
+        Interval(0.05, (0.05,), (0.0, -2e3)),
+        Interval(0.02, (0.5,), (-60.0,)),
     ),
     "a flattening groove locks": Scene(
         both(radius=0.03, profile=2, ellipse_a=0.06, ellipse_b=0.06, ellipse_curvature=1, lead_angle=0.09)
         | {"cam1.friction": 0.4, "cam2.profile": 1, "cam2.friction": 0.05, "cam2.lead_angle": 0.22}
         | {"spring.preload": 1.0, "spring.stiffness": 0.0, "initial.theta": START, "initial.omega": -3.0},
-        [Interval(0.05, (0.0,)), Interval(0.2, (0.0,)), Interval(0.1, (-2.0,))],
+        [Interval(0.05, (0.0,)), Interval(0.2, (0.0,))],
     ),
     # stops
     "bounces that come to rest": Scene(
-        {"stop.restitution": 0.4, "initial.theta": START}, [Interval(0.05, (0.0,)), Interval(1.0, (0.0,))], [MANY]
+        {"stop.restitution": 0.4, "initial.theta": START},
+        [Interval(0.05, (0.0,)), Interval(1.0, (0.0,))],
+        (MANY,),
     ),
     "a torque that holds at the stop before it takes away": Scene(
         ELLIPSES | {"initial.theta": 1.3963}, [Interval(0.2, (9.0, 60.0, -900.0)), Interval(0.1, (0.0,))]
     ),
     # extreme lead angles, stiffness, step sizes
-    "steep grooves": moving(both(lead_angle=1.3, friction=0.05), -3.0, Interval(0.02, (40.0,)), Interval(0.02, (90.0, 300.0))),
+    "steep grooves": moving(
+        both(lead_angle=1.3, friction=0.05), -3.0, Interval(0.02, (40.0,)), Interval(0.02, (90.0, 300.0))
+    ),
     "flat grooves": moving(both(lead_angle=0.09, friction=0.05), -3.0, Interval(0.5, (0.3, 1.0))),
     "a damper that stops at once": moving(
-        {"inertia.shaft": 1e-6, "damper.c_load": 400.0, "damper.c_release": 100.0}, 300.0, Interval(0.1, (4.0, 10.0))
-    ),
-    "a damper that stops at once, ellipses": moving(
-        ELLIPSES | {"inertia.shaft": 1e-6, "damper.c_load": 200.0, "damper.q_load": 1e3, "damper.c_release": 500.0},
-        *(30.0, Interval(0.05, (4.0, 10.0)), Interval(0.05, (0.0,))),
+        {"inertia.shaft": 1e-6, "damper.c_load": 400.0, "damper.c_release": 100.0},
+        300.0,
+        Interval(0.1, (4.0, 10.0)),
     ),
     "viscous under a steep torque": Scene(
         MASSLESS | ELLIPSES | {"damper.c_load": 200.0, "damper.q_load": 3000.0, "shaft.damping": 3e-4},
         [Interval(1e-3, (1.5, 2e3, 3e6, -5e9))],
     ),
     "a microsecond": moving(STRIBECK, 5.0, Interval(1e-6, (3.0,)), Interval(1e-6, (3.0, 1e6))),
-    "ten seconds": Scene({"inertia.follower_mass": 0.1} | DAMPED, [Interval(10.0, (0.0, 1.2)), Interval(10.0, (0.0,))]),
+    "ten seconds": Scene(
+        {"inertia.follower_mass": 0.1} | DAMPED, [Interval(10.0, (0.0, 1.2)), Interval(10.0, (0.0,))]
+    ),
     "friction that changes over 0.5 mm/s": moving(
         both(friction=0.15, friction_peak=1.8, stribeck_velocity=5e-4), -0.3, Interval(0.01, (5.0,))
     ),
@@ -239,3 +248,171 @@ def test_steps_that_end_at_breakaway_have_sensitivities(make):
             fmu.step(h / 2 + distance)
             assert math.isfinite(fmu.get("step.dtheta_dtau")) and math.isfinite(fmu.get("step.domega_dtau"))
             fmu.free()
+
+
+# ---- dwells of sampled grooves: closed forms ----
+
+KNOT, RISE_END = 0.1, 0.3  # rad of psi, between which the groove of cam 2 rises
+# A contact of cam 1 that locks, and a groove of cam 2 without friction: on the dwell the axial load makes no
+# torque.
+DWELL = {
+    **{
+        "cam1.lead_angle": 0.3,
+        "cam1.friction": 0.4,
+        "cam2.profile": 3,
+        "cam2.friction": 0.0,
+        "stop.upper": 0.25,
+    },
+    **{"spring.preload": 0.0, "spring.stiffness": 0.0, "inertia.shaft": 0.003},
+}
+SHAFT, SLOW = DWELL["inertia.shaft"], {"inertia.shaft": 0.0, "shaft.damping": 0.7}
+
+
+class Dwell(NamedTuple):
+    params: dict
+    interval: Interval
+    mode: int
+    theta: float | None = None
+    omega: float | None = None
+
+
+DWELLS = {
+    "the shaft alone resists": Dwell(
+        {"initial.theta": -0.2, "stop.lower": -0.4}, Interval(0.1, (0.0, 0.05), (-30.0,)), LOADING,
+        -0.2 + 0.05 * 0.1**3 / (6 * SHAFT), 0.05 * 0.1**2 / (2 * SHAFT),
+    ),
+    "the damping of the shaft alone resists": Dwell(
+        SLOW | {"damper.c_load": 10.0, "stop.lower": -0.4}, Interval(0.1, (0.0, 5.0), (-1000.0,)), LOADING,
+        5.0 * 0.1**2 / (2 * 0.7),
+    ),
+    "a load that grows moves nothing": Dwell({}, Interval(0.01, (0.0,), (100.0, 9e5)), STICK, 0.0, 0.0),
+    # Past the dwell a pull bears on cam 2. Loading, no flank of contact 1 takes the torque that it passes on.
+    "the contacts jam where the groove begins to rise": Dwell(
+        {"initial.omega": 1.6}, Interval(0.1, (0.05,), (-26.0,)), WEDGED, KNOT, 0.0
+    ),
+    "the contacts hold a torque at the end of the dwell": Dwell(
+        {"initial.theta": KNOT}, Interval(1e-3, (0.0, 0.0, 4e5), (-26.0,)), WEDGED, KNOT, 0.0
+    ),
+    "the load falls to zero as the dwell begins": Dwell(
+        {"initial.theta": KNOT + 1e-9, "initial.omega": -5.0}, Interval(0.01, (0.05,), (-26.0,)), RELEASING,
+        None, -5.0 + 0.05 * 0.01 / SHAFT,
+    ),
+    "a torque pulls back from the end of the dwell": Dwell(
+        {"initial.theta": KNOT}, Interval(0.01, (-0.05,), (26.0,)), RELEASING, None, -0.05 * 0.01 / SHAFT
+    ),
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def groove(tmp_path_factory):
+    path = tmp_path_factory.mktemp("dwell") / "groove.csv"
+    write_table(path, [-0.5, -0.3, -0.1, 0.0, KNOT, 0.2, RISE_END], [0.0, 0.0, 0.0, 0.0, 0.0, 2e-4, 6e-4])
+    return str(path)
+
+
+@pytest.mark.parametrize("cuts", [(), HALVES, MANY], ids=len)
+@pytest.mark.parametrize("name", DWELLS)
+def test_dwell(library, groove, name, cuts):
+    scene = DWELLS[name]
+    parts = [cut(scene.interval, [share * scene.interval.duration for share in cuts])]
+    (row,) = rows = play(library, DWELL | {"cam2.table": groove} | scene.params, parts, TOLERANCE)
+    assert row["mode"] == scene.mode
+    # Beside KNOT the slope of cam 2, and with it the load of contact 1, is rounding within sqrt(1e-14) rad.
+    assert scene.theta is None or row["theta"] == pytest.approx(scene.theta, rel=TOLERANCE, abs=1e-7)
+    assert scene.omega is None or row["omega"] == pytest.approx(scene.omega, rel=TOLERANCE)
+    assert residual(row) <= TOLERANCE and falling_heats(rows) == []
+
+
+@pytest.mark.parametrize("tau", [0.2, 5.0])
+def test_the_play_ends_where_the_contacts_lock(library, tau):
+    """A spring that weakens: F_0 = 0 at theta = 0.9, and beyond no torque loads."""
+    lift, end, preload = Mechanism(HELD).at(0.0).dz, 0.9, 10.0
+    spring = {"spring.preload": preload, "spring.stiffness": 0.0}
+    spring |= {"spring.stiffness2": -preload / (lift * end) ** 2}
+    (row,) = play(library, HELD | MASSLESS | spring, [[Interval(0.1, (tau,))]], TOLERANCE)
+    assert row["theta"] == pytest.approx(end, rel=TOLERANCE)
+    assert row["mode"] == WEDGED
+    friction = edge(HELD | spring, 0.0) / preload - lift  # N.m per N
+    heat = row["energy.heat_cam1"] + row["energy.heat_cam2"]
+    assert heat == pytest.approx(friction * preload * end * 2.0 / 3.0, rel=TOLERANCE)
+
+
+# ---- refusals ----
+
+STARTS = {
+    "no pair loads": (
+        both(lead_angle=1.4, friction=0.2),
+        ["jam when loading", "cam1.lead_angle = 1.4", "smaller lead angles"],
+    ),
+    "no pair loads at rest": (
+        both(lead_angle=1.2, friction=0.3, friction_peak=2.0),
+        ["jam when loading", "cam2.friction = 0.3 times cam2.friction_peak = 2", "less friction"],
+    ),
+    "no pair loads under load": (
+        both(lead_angle=1.2, friction=0.3, friction_load_exponent=0.5, friction_load=10.0),
+        ["jam when loading", "under load up to mu", "less friction"],
+    ),
+    "no pair loads at the upper stop": (
+        both(profile=2, lead_angle=1.1, ellipse_a=0.2, ellipse_b=0.2, ellipse_curvature=1, friction=0.4),
+        ["jam when loading at theta = ", "smaller lead angles"],
+    ),
+    "a follower that outweighs the shaft": (
+        LOCKED | {"cam2.friction": 0.02, "inertia.shaft": 1e-6, "inertia.follower_mass": 2.0},
+        ["nothing resists releasing", "inertia.shaft must exceed"],
+    ),
+    "a peak without inertia": (
+        MASSLESS | {"cam1.friction_peak": 1.2},
+        ["cam1.friction_peak = 1.2", "needs an inertia"],
+    ),
+    "a branch without inertia": (
+        MASSLESS | DAMPED | {"cam2.friction_viscous": 0.1},
+        ["cam2.friction_viscous = 0.1", "needs an inertia", "inertia.shaft"],
+    ),
+    "friction by load beside a damper alone": (
+        MASSLESS | DAMPED | LOADED,
+        ["cam1.friction_load_exponent = -0.2", "damper", "inertia.shaft > 0"],
+    ),
+    "two level grooves": (both(lead_angle=0.0), ["cam1.lead_angle = 0", "cam2.lead_angle = 0"]),
+    "a groove that ends before the stop": (
+        both(profile=2, ellipse_a=0.015, ellipse_b=0.015),
+        ["ellips", "stop.upper"],
+    ),
+}  # fmt: skip
+
+
+def refusal(fmu, params):
+    fmu.set(params)
+    fmu.setup()
+    fmu.ok("fmi2EnterInitializationMode")
+    return fmu.refused_start()
+
+
+@pytest.mark.parametrize("name", STARTS)
+def test_refused_start(make, name):
+    params, words = STARTS[name]
+    text = refusal(make(), params)
+    for word in words:
+        assert word in text
+
+
+def test_a_refusal_names_an_inertia_that_works(make):
+    params = STARTS["a follower that outweighs the shaft"][0]
+    named = float(refusal(make(), params).rpartition("must exceed ")[2])
+    assert refusal(make(), params | {"inertia.shaft": named * (1 - 1e-6)})
+    fmu = make().start(params | {"inertia.shaft": named * (1 + 1e-6)})
+    assert fmu.get("friction_class") == 2
+
+
+def test_a_tuned_value_is_refused_as_at_the_start(make):
+    fmu = make().start({"tau": 2.0})
+    before = fmu.everything()
+    fmu.refused_set(
+        {"cam1.friction": 1.2, "cam2.friction": 1.2}, mentions=("jam when loading", "less friction")
+    )
+    assert fmu.everything() == before
+
+
+def test_a_motion_that_leaves_the_range_of_numbers_is_refused(make):
+    fmu = make().start()
+    fmu.set({"tau": 1e300})
+    fmu.refused("fmi2DoStep", 0.0, 1.0, 1, mentions=("tau = 1e+300", "range of numbers"))
