@@ -67,7 +67,7 @@ def check(library, scene):
 
 # ---- a torque on the edge of the stick band ----
 
-START = 0.5  # rad
+START, UPPER = 0.5, 1.2  # rad
 STRIBECK = both(friction_peak=1.5, stribeck_velocity=0.02, friction_viscous=0.02)
 LOADED = both(friction_load_exponent=-0.2, friction_load=80.0)
 ELLIPSES = both(profile=2, lead_angle=0.8, ellipse_a=0.06, ellipse_b=0.05)
@@ -104,19 +104,27 @@ def edge(params, theta, sigma=1):
     return mech.edge_pair(place, sigma, mech.spring_force(place.z))[1]
 
 
-def past_edge(params, order, size):
-    """tau = edge + size ((t - t_0)/h)^order, cut about t_0 = h/2."""
+def past_edge(params, order, size, theta=START):
+    """tau = edge + size ((t - t_0)/h)^order, cut about t_0 = h/2. At the upper stop the edge is that of
+    releasing, and `size` is negative."""
     h = 0.02
-    tau = edge(params, START) + size * Polynomial([-0.5, 1.0 / h]) ** order
-    at = {"initial.theta": START, "stop.upper": 1.2}
+    sigma = -1 if theta == UPPER else 1
+    tau = edge(params, theta, sigma) + sigma * size * Polynomial([-0.5, 1.0 / h]) ** order
+    at = {"initial.theta": theta, "stop.upper": UPPER}
     near = [(0.5 + d / h,) for d in DISTANCES]
     return Scene(params | at, [Interval(h, tuple(tau.coef))], (HALVES, *near), counts=order < 3)
 
 
+EXCESSES = (("leaves", 1, 0.2), ("touches", 2, -0.05), ("leaves like t^3", 3, 0.5))
 EDGES = {
     f"{name}, {word}": past_edge(params, order, size)
     for name, params in MECHANISMS.items()
-    for word, order, size in (("leaves", 1, 0.2), ("touches", 2, -0.05), ("leaves like t^3", 3, 0.5))
+    for word, order, size in EXCESSES
+} | {
+    f"{name} at {theta:g} rad, {word}": past_edge(MECHANISMS[name], order, size, theta)
+    for name in ("follower mass", "ellipses", "play", "viscous")
+    for theta in (0.0, UPPER)
+    for word, order, size in EXCESSES
 }
 
 # ---- loads that are zero, or pass zero ----
@@ -169,10 +177,6 @@ OTHERS = {
     "spring loads either way": Scene(
         WAYS | LOCKED | {"spring.preload": 0.0}, [Interval(0.03, (0.5,)), Interval(0.08, (-0.8,))]
     ),
-    "damper alone": Scene(
-        NO_SPRING | DAMPED | {"initial.theta": START},
-        [Interval(0.1, (0.0, 0.0, -2.0)), Interval(0.1, (0.1,))],
-    ),
     # the axial load passes zero in motion: both flanks turn at once, or one after the other
     "load passes zero": moving({}, 8.0, Interval(0.03, (1.0,), (0.0, -4e4))),
     "load passes zero and returns": moving(
@@ -207,6 +211,16 @@ OTHERS = {
     "a torque that holds at the stop before it takes away": Scene(
         ELLIPSES | {"initial.theta": 1.3963}, [Interval(0.2, (9.0, 60.0, -900.0)), Interval(0.1, (0.0,))]
     ),
+    **{
+        f"without forces a motion would turn {beyond:g} rad beyond the stop": Scene(
+            NO_SPRING
+            | both(friction=0.0)
+            | {"stop.upper": 1.0, "stop.restitution": 0.3}
+            | {"initial.theta": 0.4, "initial.omega": math.sqrt(2.0 * 0.5 / 0.002 * (0.6 + beyond))},
+            [Interval(0.06, (-0.5, 0.0, 0.0, 1e-9))],
+        )
+        for beyond in (-3e-6, 3e-6, 3e-5, 3e-3)
+    },
     # extreme lead angles, stiffness, step sizes
     "steep grooves": moving(
         both(lead_angle=1.3, friction=0.05), -3.0, Interval(0.02, (40.0,)), Interval(0.02, (90.0, 300.0))
@@ -217,19 +231,72 @@ OTHERS = {
         300.0,
         Interval(0.1, (4.0, 10.0)),
     ),
-    "viscous under a steep torque": Scene(
-        MASSLESS | ELLIPSES | {"damper.c_load": 200.0, "damper.q_load": 3000.0, "shaft.damping": 3e-4},
-        [Interval(1e-3, (1.5, 2e3, 3e6, -5e9))],
-    ),
     "a microsecond": moving(STRIBECK, 5.0, Interval(1e-6, (3.0,)), Interval(1e-6, (3.0, 1e6))),
     "ten seconds": Scene(
         {"inertia.follower_mass": 0.1} | DAMPED, [Interval(10.0, (0.0, 1.2)), Interval(10.0, (0.0,))]
     ),
-    "friction that changes over 0.5 mm/s": moving(
-        both(friction=0.15, friction_peak=1.8, stribeck_velocity=5e-4), -0.3, Interval(0.01, (5.0,))
+}
+
+# ---- motions that begin slowly against a damper, or under torques that a step hardly resolves ----
+
+SLOWLY = {
+    f"damper alone, torque like {way:g} t^{order}": Scene(
+        NO_SPRING | DAMPED | {"initial.theta": START},
+        [Interval(0.1, (*[0.0] * order, way * 2.0 / 0.1**order)), Interval(0.1, (0.1,))],
+    )
+    for way in (1, -1)
+    for order in (2, 3)
+}
+CREEPING = {
+    **{"cam1.radius": 0.016, "cam1.lead_angle": 0.416, "cam1.friction": 0.13, "cam2.radius": 0.035},
+    **{"cam2.profile": 2, "cam2.lead_angle": 0.456, "cam2.ellipse_a": 0.17, "cam2.ellipse_b": 0.15},
+    **{
+        "cam2.ellipse_curvature": 1,
+        "cam2.friction": 0.25,
+        "spring.preload": 28.0,
+        "spring.stiffness": 4200.0,
+    },
+    **{"spring.stiffness2": 1.07e6, "spring.stiffness3": 1.05e8, "damper.c_load": 200.0},
+    **{"damper.q_load": 3000.0, "shaft.damping": 3e-4, "inertia.shaft": 0.0, "initial.theta": -0.08},
+    **{"stop.lower": -0.43, "stop.upper": 1.13},
+}
+# s; the torque and its derivatives
+STEEP = [
+    (0.00058219, 0.41263, 513.05, 6.19398e6, -3.60246e10),
+    (0.00060314, 1.31055, 4150.73, 8.50652e6, -1.06475e11),
+    (0.00098122, 1.60422, 976.022, 7.31251e6, -2.83610e10),
+    (0.00234551, 0.80296, -658.175, 3.66386e5, 0.0),
+    (0.00109872, 1.34683, 1677.34, 3.23210e6, -1.60816e10),
+]
+STEPS = {
+    f"viscous under a steep torque, {number}": Scene(CREEPING, [Interval(h, (u, v, w / 2.0, x / 6.0))])
+    for number, (h, u, v, w, x) in enumerate(STEEP)
+}
+
+# ---- friction that changes steeply with the speed ----
+
+
+def pairs(**values):
+    return {f"cam{i}.{name}": pair[i - 1] for name, pair in values.items() for i in (1, 2)}
+
+
+SPEEDS = {
+    "a fall of friction over 0.6 mm/s": Scene(
+        pairs(lead_angle=(0.94, 0.73), friction=(0.18, 0.12), friction_peak=(2.3, 2.3))
+        | pairs(stribeck_velocity=(6e-4, 5e-4), stribeck_exponent=(2, 2), friction_viscous=(0.1, 0.1))
+        | {"inertia.shaft": 1e-3, "shaft.damping": 5e-3, "initial.theta": 0.25, "initial.omega": -0.29},
+        [Interval(0.003, (4.6,))],
+    ),
+    "friction by speed and load beside a heavy follower": Scene(
+        pairs(lead_angle=(0.955, 0.798), friction=(0.1095, 0.1836), friction_peak=(1.745, 2.168))
+        | pairs(stribeck_velocity=(1.78e-3, 0.012), friction_viscous=(0.1, 0.1))
+        | pairs(friction_load_exponent=(-0.271, -0.287), friction_load=(1000.0, 1700.0))
+        | {"inertia.shaft": 1e-4, "inertia.follower_mass": 1.0, "spring.stiffness": 667.5}
+        | {"initial.theta": 0.434, "initial.omega": 0.0366},
+        [Interval(2.7e-3, (0.5,)), Interval(0.02, (3.0,))],
     ),
 }
-TABLE = EDGES | LOADS | OTHERS
+TABLE = EDGES | LOADS | OTHERS | SLOWLY | STEPS | SPEEDS
 
 
 @pytest.mark.parametrize("name", TABLE)
@@ -393,6 +460,12 @@ def test_refused_start(make, name):
     text = refusal(make(), params)
     for word in words:
         assert word in text
+
+
+def test_a_table_of_speeds_asks_for_an_inertia(make, tmp_path):
+    (tmp_path / "law.csv").write_text("v_m_s,mu\n0,0.2\n0.1,0.21\n0.2,0.22\n")
+    text = refusal(make(), MASSLESS | {"cam2.friction_table": str(tmp_path / "law.csv")})
+    assert "cam2.friction_table" in text and "inertia.shaft" in text
 
 
 def test_a_refusal_names_an_inertia_that_works(make):
