@@ -171,8 +171,8 @@ def residual(row: dict[str, Any]) -> float:
 
 
 def falling_heats(rows: Sequence[dict[str, Any]]) -> list[str]:
-    """Heats that fall by more than a share of 1e-9 of the largest account. On wrong flanks they do, although the
-    energy closes."""
+    """Heats that fall by more than a share of 1e-9 of the largest account. On wrong flanks they do, although
+    the energy closes."""
     return [
         f"interval {number}: {name} falls by {before[name] - row[name]:.1e}"
         for number, (before, row) in enumerate(pairwise([dict.fromkeys(ACCOUNTS, 0.0), *rows]))
