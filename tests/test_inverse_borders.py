@@ -188,12 +188,28 @@ def test_torque_grows_from_contacts_that_carry_nothing(make, omega):
 
 
 def test_a_torque_that_no_motion_needs_has_no_derivatives(make):
-    """Contact 1 locks: releasing has no torque (tests/test_locked_contacts.py)."""
+    """Contact 1 locks: releasing has no torque."""
     locked = {"cam1.lead_angle": 0.44, "cam2.lead_angle": 0.58, "cam1.friction": 3.0, "cam2.friction": 0.17}
     fmu = make().start(locked | {"theta": 0.3, "omega": 1.0})
     fmu.set({"omega": -1.0})
     arguments, _ = jacobian(fmu, "tau", "theta")
     fmu.refused("GetDirectionalDerivative", *arguments, mentions=("wedge", "releasing"))
+
+
+def test_cam_2_on_an_elastic_shaft_stays_where_the_contacts_lock(make):
+    """A spring that weakens: F_0 = 0 at theta = 0.6. Beyond, no torque loads, and the far end turns alone."""
+    radius, slope = (0.0382, 0.0278), (0.0382 * math.tan(0.131), 0.0278 * math.tan(0.1645))
+    values = {f"cam{i}.radius": r for i, r in enumerate(radius, start=1)}
+    values |= {"cam1.lead_angle": 0.131, "cam2.lead_angle": 0.1645, "cam1.friction": 0.4}
+    lift, preload, end = slope[0] * slope[1] / sum(slope), 50.0, 0.6
+    values |= {"cam2.friction": 0.051, "spring.preload": preload, "spring.stiffness": 0.0}
+    values |= {"spring.stiffness2": -preload / (lift * end) ** 2, "shaft.stiffness": STIFF, "omega": 10.0}
+    fmu = make().start(values)
+    for theta in (1.0, -1.0):
+        fmu.step(0.1, theta=theta, omega=0.0)
+        assert fmu.get("theta_cam") == pytest.approx(end, rel=1e-9)
+        assert fmu.get("tau") == pytest.approx(STIFF * (theta - end), rel=1e-9)
+        assert fmu.get("mode") == STICK
 
 
 def test_a_balance_without_a_solution_is_no_torque(make, tmp_path):

@@ -8,8 +8,6 @@ import pytest
 from driver3 import FORWARD, INVERSE
 from fmi3_scenes import FORCES, each_model
 from mechanisms import INERTIA, LIFT, PRELOAD, RHO, STIFFNESS
-from scipy.optimize import brentq
-from test_friction_jams import PAINLEVE, WEDGED, agrees
 
 
 def test_states_rates_and_indicators(make3):
@@ -111,17 +109,3 @@ def test_indicators_that_are_no_numbers_are_refused(make3):
     fmu.refused("GetEventIndicators", (c_double * 7)(), 7, mentions=("element 1 is no number",))
     fmu.set({"F_ext": 0.0})
     fmu.ok("GetEventIndicators", (c_double * 7)(), 7)
-
-
-def test_the_indicator_of_a_wedge_changes_its_sign_where_flanks_agree(make3):
-    """At rest with a torque beyond the band, with no pair of flanks that agrees until the load has grown."""
-    tau = 0.1
-    least = brentq(lambda load: 1.0 if agrees(tau, load) else -1.0, 0.1, 0.5)
-    fmu = make3(exchange=True).initialize(PAINLEVE | {"tau": tau, "F_ext": 0.5 * least})
-    fmu.settle()
-    fmu.ok("EnterContinuousTimeMode")
-    assert fmu.get("mode") == WEDGED
-    for share in (0.1, 0.5, 0.9, 1.0 - 1e-6, 1.0 + 1e-6, 1.1):
-        fmu.set({"F_ext": share * least})
-        assert (fmu.get("indicator.flank1") > 0.0) == (share < 1.0), share
-        assert fmu.get("indicator.flank2") == 1.0

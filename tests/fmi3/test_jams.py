@@ -1,7 +1,7 @@
 """FMI 3.0: contacts that jam while cam 2 moves, at an event of the master and within a step.
 
-The helices of tests/test_locked_contacts.py: under a pull (F < 0) loading is locked. A pull that begins while
-cam 2 loads stops the motion at once. Its kinetic energy becomes heat of the contacts."""
+Under a pull (F < 0) loading is locked. A pull that begins while cam 2 loads stops the motion at once. Its
+kinetic energy becomes heat of the contacts."""
 
 import math
 

@@ -10,7 +10,6 @@ import pytest
 from driver import ERROR
 from driver3 import FORWARD, INVERSE
 from fmi3_scenes import GENERAL, wave
-from test_elastic_flanks import random_cams
 
 
 @pytest.mark.parametrize("options", [{}, {"events": True, "early": True}], ids=["plain", "events"])
@@ -35,29 +34,6 @@ def test_a_restored_run_repeats_bit_for_bit(make3, options):
     fmu.free_state(state)
     other.free_state(opened)
     fmu.free_state(c_void_p())
-
-
-@pytest.mark.parametrize("number", [471, 1007])
-def test_a_motion_that_searches_its_reactions_repeats_bit_for_bit(make3, number):
-    """The state tells another instance that Newton's method has lost the answer of the balance."""
-    parameters, tau = random_cams(number, True)
-    fmu, other = (make3(FORWARD).start(parameters | {"tau": tau}) for _ in range(2))
-    for _ in range(12):
-        fmu.step(0.001, tau=tau)
-    state, origin = fmu.take(), fmu.time
-    content = fmu.to_bytes(state)
-    fmu.free_state(state)
-    place = len(content) - ctypes.sizeof(Run) - ctypes.sizeof(State)
-    assert State.from_buffer(bytearray(content), place).searches == 1
-    opened = c_void_p()
-    other.ok("DeserializeFMUState", content, len(content), byref(opened))
-    other.restore(opened)
-    other.free_state(opened)
-    other.time = origin
-    for _ in range(5):
-        fmu.step(0.001, tau=tau)
-        other.step(0.001, tau=tau)
-        assert fmu.everything() == other.everything()
 
 
 def test_bytes_that_are_no_state_of_this_fmu_are_refused(make_model, make3):
@@ -111,7 +87,7 @@ class Step(ctypes.Structure):
         *((name, c_double * 2) for name in ("theta", "omega")),
         ("inputs", c_double * 8),
         *((name, c_double) for name in ("energy_gained", "h")),
-        *((name, c_int) for name in ("mode", "flank1", "flank2", "searches", "retuned")),
+        *((name, c_int) for name in ("mode", "flank1", "flank2", "retuned")),
     )
 
 
@@ -122,7 +98,8 @@ class State(ctypes.Structure):
         *((name, c_double * 2) for name in ("theta", "omega")),
         ("energy_gained", c_double),
         ("events", ctypes.c_int64),
-        *((name, c_int) for name in ("mode", "flank1", "flank2", "searches")),
+        ("F_ext_at_start", c_double),
+        *((name, c_int) for name in ("mode", "flank1", "flank2", "friction_class")),
         ("ledger", c_double * 25),
         ("step", Step),
         ("tunables", c_double * 24),
@@ -135,6 +112,8 @@ class InverseState(ctypes.Structure):
     _fields_ = (
         *((name, c_double) for name in ("theta", "omega", "cam")),
         ("events", ctypes.c_int64),
+        ("F_ext_at_start", c_double),
+        ("friction_class", ctypes.c_int64),
         *((name, c_int) for name in ("mode", "direction")),
         ("ledger", c_double * 25),
     )
@@ -165,7 +144,7 @@ BAD_STATE = {
         *((name, value) for name in ("mode", "step.mode") for value in (-1, 7, 99)),
         ("mode", 0),  # that of a step is 0 before the first step
         *((f"{place}flank{i}", value) for place in ("", "step.") for i in (1, 2) for value in (2, -2)),
-        *((f"{place}searches", value) for place in ("", "step.") for value in (2, -1)),
+        ("F_ext_at_start", math.nan),
         *(
             (name, value)
             for name in ("theta", "omega", "step.theta", "step.omega")
@@ -176,6 +155,7 @@ BAD_STATE = {
     INVERSE: [
         *(("mode", value) for value in (0, 7)),
         *(("direction", value) for value in (0, 2)),
+        ("F_ext_at_start", math.nan),
         *((name, value) for name in ("theta", "omega", "cam") for value in (math.nan, -math.inf)),
     ],
 }

@@ -118,7 +118,7 @@ def test_jam_inside_the_stop_range(fmu):
     values = {f"cam{i}.{n}": v for i in (1, 2) for n, v in ellipse(r, lead, a, b, 1).parameters.items()}
     values |= {"cam1.friction": mu, "cam2.friction": mu}
     text = start_refused(fmu, values | {"stop.upper": jam + 0.01}, "jam", "cam1", "cam2", "stop.upper")
-    assert number_after(text, "theta") == pytest.approx(jam, abs=1e-9)
+    assert jam <= number_after(text, "theta") <= jam + 0.01  # a place at which they do jam
     fmu.ok("fmi2Reset")
     fmu.start(values | {"stop.upper": jam - 1e-6})
     assert fmu.get("torque_load") < math.inf

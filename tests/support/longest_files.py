@@ -22,7 +22,6 @@ LONGEST_FILES = (
     "test_command_line.py",
     "test_view_numbers.py",
     "test_reader_mutations.py",
-    "test_breakaway.py",
     "test_properties.py",
     "test_paper.py",
     "test_controller_gains.py",

@@ -138,6 +138,7 @@ class Mechanism:
         self._gamma = 0.0
         if self.helical:
             self._slopes = [groove.derivatives(0.0, 0)[1] for groove in self.grooves]
+        self.travel = self.at(self.upper).z - self.at(self.lower).z
 
     def at(self, theta: float) -> Place:
         if self.helical:
@@ -248,7 +249,9 @@ class Mechanism:
         return Motion(omega, alpha, x1, x2, mass / delta, size1, size2, axial)
 
     def _large(self, k: Place, axial: float, f_ext: float) -> float:
-        return abs(axial) + abs(f_ext) + abs(self.spring[0]) + abs(self.spring[1] * k.z)
+        """N, a size of what the axial load is a sum of; also where the spring passes its free length."""
+        z = max(abs(k.z), 1e-3 * self.travel)
+        return abs(axial) + abs(f_ext) + abs(self.spring[0]) + abs(self.spring[1]) * z
 
     def _creep(self, k: Place, sigma: int, e: Pair, tau: float, f_ext: float) -> Motion:
         """Without inertia: Delta (tau - b omega) = P (F_0 + D(z' omega)). Where the root would have the sign

@@ -85,8 +85,12 @@ class Run:
 
 def pieces(interval: Interval, rng: np.random.Generator) -> list[Interval]:
     """The same interval cut at random places."""
-    cuts = np.sort(rng.uniform(0.0, 1.0, int(rng.integers(1, 5)))) * interval.duration
-    ends = [0.0, *(float(c) for c in cuts if 0 < c < interval.duration), interval.duration]
+    return cut(interval, np.sort(rng.uniform(0.0, 1.0, int(rng.integers(1, 5)))) * interval.duration)
+
+
+def cut(interval: Interval, times: Sequence[float]) -> list[Interval]:
+    """The same interval cut at these times, s, which rise."""
+    ends = [0.0, *(float(t) for t in times if 0 < t < interval.duration), interval.duration]
     return [
         Interval(b - a, _moved(interval.tau, a), _moved(interval.f_ext, a))
         for a, b in pairwise(ends)
@@ -130,9 +134,10 @@ def judge(library: Any, seed: int, tolerance: float) -> Outcome:
             outcome.problems.append(f"not refused: {scene.verdict.reason}")
         return outcome
     _judge_class(library, scene, outcome)
-    outcome.residual = max(_residual(row) for row in rows)
+    outcome.residual = max(residual(row) for row in rows)
     if outcome.residual > 1e-9:
         outcome.problems.append(f"energy residual {outcome.residual:.1e}")
+    outcome.problems += falling_heats(rows)
     try:
         points = solve(scene.params, scene.intervals, scene.verdict.kind == UNIQUE)
         _compare(scene, rows, points, tolerance, outcome)
@@ -156,8 +161,24 @@ def _judge_class(library: Any, scene: Scene, outcome: Outcome) -> None:
         outcome.problems.append(f"friction_class {found}, not {CLASSES[scene.verdict.kind]}")
 
 
-def _residual(row: dict[str, Any]) -> float:
-    return abs(row["energy.residual"]) / max(1e-9, *(abs(row[name]) for name in ACCOUNTS))
+def _turnover(row: dict[str, Any]) -> float:
+    """J, the largest account."""
+    return max(1e-9, *(abs(row[name]) for name in ACCOUNTS))
+
+
+def residual(row: dict[str, Any]) -> float:
+    return abs(row["energy.residual"]) / _turnover(row)
+
+
+def falling_heats(rows: Sequence[dict[str, Any]]) -> list[str]:
+    """Heats that fall by more than a share of 1e-9 of the largest account. On wrong flanks they do, although
+    the energy closes."""
+    return [
+        f"interval {number}: {name} falls by {before[name] - row[name]:.1e}"
+        for number, (before, row) in enumerate(pairwise([dict.fromkeys(ACCOUNTS, 0.0), *rows]))
+        for name in ACCOUNTS
+        if "heat" in name and row[name] < before[name] - 1e-9 * _turnover(row)
+    ]
 
 
 def _scales(scene: Scene, points: Sequence[Point]) -> tuple[float, float]:
@@ -276,9 +297,10 @@ def judge_far(library: Any, seed: int, tolerance: float) -> Outcome:
         if not all(math.isfinite(row[name]) for name in (*OUTPUTS, *ACCOUNTS)):
             outcome.problems.append("not finite")
             return outcome
-    outcome.residual = max(_residual(row) for row in rows)
+    outcome.residual = max(residual(row) for row in rows)
     if outcome.residual > 1e-6:
         outcome.problems.append(f"energy residual {outcome.residual:.1e}")
+    outcome.problems += falling_heats(rows)
     return outcome
 
 
