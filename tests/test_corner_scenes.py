@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from numpy.polynomial import Polynomial
 from reference import LOADING, RELEASING, STICK, WEDGED, write_table
+
 from verification.domain.domain import REFUSED, UNIQUE, classify
 from verification.domain.mechanics import Mechanism
 from verification.domain.play import cut, falling_heats, play, residual
@@ -167,9 +168,6 @@ OTHERS = {
     "square spring, loading": Scene(WAYS | NO_SPRING | {"spring.stiffness2": 1e6}, [Interval(0.05, (0.1,))]),
     "square spring, releasing": Scene(
         WAYS | NO_SPRING | {"spring.stiffness2": 1e6}, [Interval(0.05, (-0.1,))]
-    ),
-    "square spring holds": Scene(
-        WAYS | HELD | NO_SPRING | {"spring.stiffness2": 1e5}, [Interval(0.05, (-0.1,))]
     ),
     "cubic spring, releasing": Scene(
         WAYS | NO_SPRING | {"spring.stiffness3": 1e9}, [Interval(0.05, (-0.1,))]

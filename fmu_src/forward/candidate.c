@@ -111,6 +111,7 @@ static Candidate general_candidate(const Mechanism *m, int index) {
         .motion = now.rhs.value,
         .net = now.rhs.net,
         .rounding = rate_independent ? edge_rounding(m, slip.direction) : CANDIDATE_ROUNDING * now.rhs.size,
+        .still = CANDIDATE_ROUNDING * now.rhs.size,
         .stiffness = now.rhs.by_theta,
         .axial = {now.axial[0], now.axial[1]},
     };

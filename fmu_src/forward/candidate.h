@@ -12,6 +12,7 @@ typedef struct {
     double motion;        /* the rate that the balance gives: alpha, rad/s^2; without inertia omega, rad/s */
     double net;           /* rate-independent only: N.m, torque beyond the edge of the band */
     double rounding;      /* of `motion`, or of `net` if rate-independent */
+    double still;         /* rate-independent only: rad/s, a smaller `motion` is rounding */
     double stiffness;     /* rate-independent only: N.m/rad, how the edge rises with theta */
     double axial[2];      /* 1/m: x_i per axial load A */
     double x[2], size[2]; /* N/m: x_i, and the size of its terms; only with friction */

@@ -73,7 +73,7 @@ static double unseen_time(const Mechanism *m, const SlipMode *slip, const Balanc
     Partials by;
     balance_partials(slip, start, &by);
     const double lever = by.by[KNOWN_F_EXT] / by.by[KNOWN_TAU]; /* minus the torque per load that holds the load */
-    const double excess = slip->direction * (start->tau + lever * start->force);
+    const double excess = slip->direction * start->rhs.value / by.by[KNOWN_TAU]; /* N.m; the motion begins at rest */
     const double rounding = BREAKAWAY_TIES * stick_tie(m) * stick_torque_size(m, lever);
     if (!(excess <= rounding)) return 0.0;
     const double missing = rounding + max_of(-excess, 0.0);

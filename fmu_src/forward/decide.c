@@ -3,7 +3,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "contact/domain.h"
 #include "forward/configuration.h"
 #include "forward/stick.h"
 #include "numerics/sign.h"
@@ -17,7 +16,7 @@ bool begins_with_jump(const Candidate *c, int direction) {
 /* From rest the motion points along the slip, to rounding. Along a moving edge of the band only in its direction. */
 static bool points_along(const Candidate *c, int direction) {
     if (c->regime != REGIME_RATE_INDEPENDENT) return direction * c->motion >= -c->rounding;
-    return begins_with_jump(c, direction) || (direction * c->net >= -c->rounding && direction * c->motion > 0.0);
+    return begins_with_jump(c, direction) || (direction * c->net >= -c->rounding && direction * c->motion >= -c->still);
 }
 
 static bool bears_on(const Candidate *c, const int flank[2]) {
@@ -49,22 +48,17 @@ static Mode slip_mode(int direction) {
     return direction > 0 ? MODE_LOADING : MODE_RELEASING;
 }
 
-/* Has the motion just left this pair for good, as a reaction passed zero? In the unique class some pair carries each load: where
- * the next piece of a groove begins at that place, it may be this one. */
-static bool is_left(const Mechanism *m, int direction, const int flank[2]) {
-    const bool crosses = (m->crossed[0] || m->crossed[1]) && m->state.friction_class != FRICTION_CLASS_UNIQUE;
-    return crosses && m->state.mode == slip_mode(direction) && flank[0] == m->state.flank[0] &&
-           flank[1] == m->state.flank[1];
-}
-
 /* The pair `first`, then the pair that supports the axial load, its neighbours, the opposite pair. */
 static Decision slip_or_wedge(const Mechanism *m, int direction, const int first[2], LinearSlipMode *built) {
-    if (carries(m, direction, first, built)) return (Decision){slip_mode(direction), slip_index(direction, first)};
+    const bool is_left = m->left_slips >> slip_index(direction, first) & 1u;
+    if (!is_left && carries(m, direction, first, built))
+        return (Decision){slip_mode(direction), slip_index(direction, first)};
     const int sign = load_sign(m, direction);
     for (int k = 0; k < FLANK_PAIR_COUNT; k++) {
         int flank[2];
         flank_pair(k, sign, flank);
-        if ((flank[0] == first[0] && flank[1] == first[1]) || is_left(m, direction, flank)) continue;
+        if ((flank[0] == first[0] && flank[1] == first[1]) || (m->left_slips >> slip_index(direction, flank) & 1u))
+            continue;
         if (carries(m, direction, flank, built)) return (Decision){slip_mode(direction), slip_index(direction, flank)};
     }
     return (Decision){MODE_WEDGED, -1};

@@ -74,6 +74,7 @@ bool jump_propose(Mechanism *m, double left, Segment *segment) {
     Jump jump;
     play_jump(m, direction_of(m->state.mode), m->inputs.tau[0], 0.0, &jump);
     if (jump.stopped || jump.dtheta != 0.0) return propose_jump(m, &jump, segment) == JUMP_PROPOSED;
+    m->state.mode = MODE_WEDGED; /* beyond this angle the contacts lock */
     rest_propose(m, left, segment);
     return true;
 }

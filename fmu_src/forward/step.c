@@ -1,8 +1,10 @@
 #include "forward/step.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 
+#include "contact/domain.h"
 #include "elementary/elementary.h"
 #include "forward/closed_form_slip.h"
 #include "forward/collocation_slip.h"
@@ -96,17 +98,27 @@ static SlipProposal propose_segment(Mechanism *m, double left, EventLocation *lo
     return SLIP_PROPOSED;
 }
 
+/* The reactions that have passed zero, and the slip that has ended so. In the unique class some pair carries each load: where a
+ * motion of some length ends, the next piece of a groove may begin, in which the same pair carries. */
+static void note_crossing(Mechanism *m, const Segment *segment, unsigned slip, bool has_moved) {
+    for (int i = 0; i < 2; i++) m->crossed[i] = segment->crossed[i];
+    const bool crosses = segment->crossed[0] || segment->crossed[1];
+    if (!crosses || has_moved) m->left_slips = 0;
+    if (crosses && !(has_moved && m->state.friction_class == FRICTION_CLASS_UNIQUE)) m->left_slips |= slip;
+}
+
 /* Applies the segment, handles its event and updates the run. Returns false if the visitor stops the step. */
 static bool carry_out(Mechanism *m, StepRun *run, const Segment *segment) {
     StepVisitor *visitor = run->visitor;
     SegmentPast past;
     past.mode = m->state.mode;
+    const unsigned slip = is_slip(past.mode) ? 1u << present_slip_index(m) : 0u;
     if (visitor != NULL) past.inputs = m->inputs;
     segment_apply(m, segment);
     past.omega = m->state.omega.hi;
     handle_event(m, direction_of(past.mode), segment->end);
     if (segment->finds_speed) jump_find_speed(m);
-    for (int i = 0; i < 2; i++) m->crossed[i] = segment->crossed[i];
+    note_crossing(m, segment, slip, segment->duration > DBL_EPSILON * run->left);
     run->left = max_of(run->left - segment->duration, 0.0); /* a rounding can locate an event past the end */
     run->rests_on = segment->kind == SEGMENT_REST && !segment->varies;
     run->goes_on = (segment->kind == SEGMENT_RADAU || segment->kind == SEGMENT_LOBATTO) && segment->end == EVENT_NONE;
@@ -163,6 +175,7 @@ static Outcome go_through(Mechanism *m, StepRun *run) {
     const Outcome outcome = make_segments(m, run);
     m->work = NULL;
     m->crossed[0] = m->crossed[1] = false;
+    m->left_slips = 0;
     return work_is_spent(&run->work) ? OUTCOME_TOO_MUCH_WORK : outcome;
 }
 
