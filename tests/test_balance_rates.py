@@ -163,9 +163,7 @@ def cases(library, law, inertial, wanted=12):
     return made
 
 
-@pytest.mark.parametrize(
-    "law, inertial", [*((law, True) for law in LAWS), ("Coulomb", False), ("of the load", False)]
-)
+@pytest.mark.parametrize("law, inertial", [*((law, True) for law in LAWS), ("Coulomb", False)])
 def test_rates_along_the_motion(library, law, inertial):
     for number, (values, value, rate) in enumerate(cases(library, law, inertial)):
         nodes, h = np.array([-2, -1, 1, 2]), 2e-5

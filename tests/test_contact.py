@@ -9,12 +9,16 @@ Pair = c_double * 2
 
 
 class Geometry(Structure):
-    _fields_ = [(n, Pair) for n in ("radius", "friction", "slope", "dpsi_dtheta")] + [("dz_dtheta", c_double)]
+    _fields_ = [
+        *((n, Pair) for n in ("radius", "friction", "friction_by_log_load", "slope", "dpsi_dtheta")),
+        ("dz_dtheta", c_double),
+    ]
 
 
 class Transfer(Structure):
     _fields_ = [
         ("regular", c_bool),
+        ("delta", c_double),
         ("rho", c_double),
         ("rho_rate", c_double),
         ("rho_kappa1", c_double),
@@ -40,7 +44,7 @@ def contact(core):
 def helices(r1, r2, lambda1, lambda2, mu1, mu2):
     slopes = r1 * math.tan(lambda1), r2 * math.tan(lambda2)
     turns = slopes[1] / sum(slopes), slopes[0] / sum(slopes)
-    return Geometry(Pair(r1, r2), Pair(mu1, mu2), Pair(*slopes), Pair(*turns), slopes[0] * turns[0])
+    return Geometry(Pair(r1, r2), Pair(mu1, mu2), Pair(), Pair(*slopes), Pair(*turns), slopes[0] * turns[0])
 
 
 def test_jam(contact):

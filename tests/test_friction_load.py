@@ -411,7 +411,7 @@ def scenes(tmp_path_factory):
     return load(tmp_path_factory.mktemp("tables"), LOADED_FILE)
 
 
-# 315: an error of the start grows 280 times. 715: a motion begins within rounding of the edge of the band, at 1e-24 rad/s.
+# 315: an error of the start grows 280 times. 715: a motion begins within rounding of the edge of the band.
 DOUBTFUL = (315, 715)
 
 

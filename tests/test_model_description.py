@@ -141,7 +141,7 @@ cam1.friction_power W - local
 cam2.friction_power W - local
 wear.cam1 m3 - local
 wear.cam2 m3 - local
-friction_class 1 - local
+friction_class - - fixed
 torque_load N.m - local
 torque_release N.m - local
 efficiency 1 - local
@@ -577,12 +577,13 @@ def changes(fmu, name, outputs, scene):
     if "profile" in name and scene.get(name) == 2:
         return set()
     if name.endswith("friction_table") and scene.get("inertia.shaft") == 0.0:
-        return (
-            set()
-        )  # a table is constant above its last speed: without inertia only damping limits the speed
-    falls = name.endswith("friction_peak") or "cam1.friction_peak" in scene
-    if falls and (name in ("inertia.shaft", "shaft.stiffness") or scene.get("shaft.stiffness")):
-        return set()  # friction that falls with the speed needs inertia and a rigid shaft
+        return set()
+    varies = (
+        name.endswith(("friction_peak", "friction_viscous", "friction_table"))
+        or "cam1.friction_peak" in scene
+    )
+    if varies and (name in ("inertia.shaft", "shaft.stiffness") or scene.get("shaft.stiffness")):
+        return set()  # friction that varies with the speed needs inertia and a rigid shaft
     before = {output: fmu.get(output) for output in outputs}
     fmu.set({name: another(name, fmu.get(name))})
     values = {output: fmu.try_get([output]) for output in outputs}

@@ -157,7 +157,6 @@ bool mechanism_retune(Mechanism *m, const Params *params, Fault *fault) {
     if (m->params.ledger && jump != 0.0) sum_add(&m->state.ledger.work_tuning, jump);
     remember_tunables(m, params);
     m->params = *params;
-    m->state.friction_class = (int)domain_class(params, &m->model.transmission, F_ext);
     build_model(m);
     return true;
 }

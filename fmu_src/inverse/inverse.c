@@ -75,7 +75,6 @@ bool inverse_retune(Inverse *m, const Params *params, Fault *fault) {
     const double jump = spring_energy(&params->spring, z) - spring_energy(&m->params.spring, z);
     if (m->params.ledger && jump != 0.0) sum_add(&m->state.ledger.work_tuning, jump);
     m->params = *params;
-    m->state.friction_class = domain_class(params, &m->transmission, F_ext);
     return true;
 }
 

@@ -230,7 +230,8 @@ static void fill_patch(FrictionTable *table, size_t k, size_t j) {
 }
 
 static void fill_patches(FrictionTable *table) {
-    for (size_t k = 0; k + 1 < table->loads; k++)
+    const size_t intervals = table->loads - 1;
+    for (size_t k = 0; k < intervals; k++)
         for (size_t j = 0; j <= table->count; j++) fill_patch(table, k, j);
 }
 

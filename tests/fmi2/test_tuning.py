@@ -7,7 +7,7 @@ from driver import VALUE
 from fmi2_inputs import drive, for_each
 
 
-@for_each(variability=["tunable"])
+@for_each(variability=["tunable"], causality=["parameter"])
 def test_tunable_parameters_in_step_mode(fmu, name):
     fmu.start().step(0.01, **drive(fmu, 1.0))
     v = fmu.variables[name]

@@ -70,7 +70,8 @@ def test_variables_are_those_of_fmi2_and_some_more(model):
     extra = set(model.variables) - set(old)
     assert extra == {n for n in model.variables if n == "time" or n.startswith("indicator.")}
     assert [n for n in model.variables if model.variables[n].causality == "independent"] == ["time"]
-    assert [v.reference for v in model.variables.values()] == list(range(len(model.variables)))
+    references = [v.reference for v in model.variables.values()]
+    assert len(set(references)) == len(references)
 
 
 @each_model

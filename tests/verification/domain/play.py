@@ -85,7 +85,8 @@ class Run:
 
 def pieces(interval: Interval, rng: np.random.Generator) -> list[Interval]:
     """The same interval cut at random places."""
-    return cut(interval, np.sort(rng.uniform(0.0, 1.0, int(rng.integers(1, 5)))) * interval.duration)
+    shares = np.sort(rng.uniform(0.0, 1.0, int(rng.integers(1, 5))))
+    return cut(interval, (shares * interval.duration).tolist())
 
 
 def cut(interval: Interval, times: Sequence[float]) -> list[Interval]:
