@@ -2,7 +2,7 @@
 #ifndef DUALCAM_LOBATTO_KINEMATICS_H
 #define DUALCAM_LOBATTO_KINEMATICS_H
 
-#include "collocation/lobatto_system.h"
+#include "collocation/lobatto_nodes.h"
 #include "platform/attributes.h"
 
 typedef struct {
