@@ -169,6 +169,29 @@ OTHERS = {
     "square spring, releasing": Scene(
         WAYS | NO_SPRING | {"spring.stiffness2": 1e6}, [Interval(0.05, (-0.1,))]
     ),
+    # the jump passes the place where the spring is free: its rounding turns no flank once more
+    "play, jump through the free length": Scene(
+        {
+            "stop.upper": 0.8987848170605885,
+            "stop.lower": -0.5646769240224787,
+            "cam1.radius": 0.0488719697595094,
+            "cam1.lead_angle": 0.8847549745145801,
+            "cam1.friction": 0.3682601459338656,
+            "cam2.radius": 0.03507730685182462,
+            "cam2.lead_angle": 1.0996276306328643,
+            "cam2.friction": 0.211584710298803,
+            "contacts": 1,
+            "initial.theta": 0.392770338027044,
+            "spring.preload": 0.0,
+            "spring.stiffness": 13367.736769064151,
+            "inertia.shaft": 0.0,
+        },
+        [
+            Interval(0.02, (tau,))
+            for tau in (26.625538676006546, -0.7357005995288498, -16.188136684742453, 41.36945911492267)
+        ],
+        counts=False,
+    ),
     "cubic spring, releasing": Scene(
         WAYS | NO_SPRING | {"spring.stiffness3": 1e9}, [Interval(0.05, (-0.1,))]
     ),

@@ -460,7 +460,7 @@ def test_templates(tmp_path, name):
     assert write_template(name, path, overwrite=True) == path
     with pytest.raises(DesignError, match="allowed are minimal, robot, knee, door"):
         write_template("bicycle", path)
-    with pytest.raises(DesignError, match="folder that exists"):
+    with pytest.raises(DualcamError, match="Make its folder first"):
         write_template(name, tmp_path / "nowhere" / "my.toml")
 
 
