@@ -32,9 +32,9 @@ JumpProposal jump_of_helices(const Mechanism *m, const LinearSlipMode *linear, S
     const Candidate candidate = candidate_of(m, present_slip_index(m));
     if (stable && !begins_with_jump(&candidate, linear->direction)) return JUMP_NONE;
     const double spring = sign * m->params.spring.stiffness * m->configuration.geometry.dz_dtheta;
-    const double bearing = linear->flank[0] * linear->transfer.axial[0] + linear->flank[1] * linear->transfer.axial[1];
+    const double carried = linear->flank[0] * linear->transfer.axial[0] + linear->flank[1] * linear->transfer.axial[1];
     /* Beyond the place where the load turns, a load that is rounding does not turn once more. */
-    const bool mirrors = force * spring < 0.0 && bearing * force > 0.0 && stick_force_counts(m, force);
+    const bool mirrors = force * spring < 0.0 && carried * force > 0.0 && stick_force_counts(m, force);
     const double to_edge = stable ? net / linear->stiffness : INFINITY;
     const double to_mirror = mirrors ? -force / spring : INFINITY;
     const double distance = min_of(to_edge, min_of(to_mirror, s.to_stop));
