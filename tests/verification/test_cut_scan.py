@@ -53,19 +53,6 @@ def test_a_drift_with_each_step_is_found(library, drift, outcome):
     assert ("theta after interval 0" in verdict.text) is (outcome is Outcome.DEPENDS)
 
 
-def test_rest_where_the_slope_of_a_groove_rounds_below_zero(make, tmp_path):
-    """The table is level at its knot at 0, with a slope of -1e-16 m/rad. The speed is 0 in both runs."""
-    heights = [0.0, 0.7864909009507257, 0.7909136643056336, 0.8695627544007061, 0.8695627544007061]
-    write_table(tmp_path / "level.csv", [-1.01, -0.505, 0.0, 0.5050000000000001, 1.01], heights)
-    grooves = {"cam1.radius": 1.0, "cam1.lead_angle": 1.0, "cam2.radius": 1.0, "cam2.profile": 3}
-    grooves |= {"cam2.table": str(tmp_path / "level.csv"), "stop.lower": -1.0, "stop.upper": 1.0}
-    forces = {"spring.preload": 0.0, "spring.stiffness": 1.0, "spring.stiffness2": -100.0}
-    forces |= {"cam1.friction": 0.0, "cam2.friction": 1.0}
-    masses = {"inertia.shaft": 0.0, "inertia.follower_mass": 1.0, "initial.theta": 0.0}
-    scene = Scene(PARAMETERS | grooves | forces | masses, [(1.0, [0.0], [0.0])], [0.5])
-    assert judge(make, scene).outcome is Outcome.AGREES
-
-
 def test_each_number_of_a_nudge_has_its_own_sign():
     scene = nudged(SCENE, random.Random(1))
     floats = [name for name, value in PARAMETERS.items() if isinstance(value, float) and value]
