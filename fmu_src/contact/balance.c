@@ -58,7 +58,6 @@ static inline RightHandSide rhs_of_inertial(const SlipMode *slip, const SlipCoef
         .by_time = (f->delta.value * in->tau_rate - f->p.value * in->F_ext_rate) * inverse,
         .resistance = fabs(inertia.value),
         .possible = inertia.value * f->delta.value > 0.0,
-        .stable = true,
     };
 }
 
@@ -105,7 +104,6 @@ static inline RightHandSide rhs_of_viscous(const SlipMode *slip, const SlipCoeff
         .by_theta = (n.slope - omega * (b.slope + c.slope * fabs(omega))) * inverse,
         .by_time = (f->delta.value * in->tau_rate - f->p.value * in->F_ext_rate) * inverse,
         .possible = (speed.sum != 0.0 || c.value != 0.0) && speed.square >= 0.0 && speed.sign * f->delta.value > 0.0,
-        .stable = true,
     };
 }
 
@@ -124,7 +122,6 @@ static inline RightHandSide rhs_of_rate_independent(const SlipMode *slip, const 
         .net = in->tau - rho.value * load.value,
         .resistance = stiffness,
         .possible = k->factors.delta.value > 0.0,
-        .stable = stiffness > 0.0,
     };
 }
 

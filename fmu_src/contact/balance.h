@@ -24,10 +24,7 @@ typedef struct {
     double by_time;
     double net;        /* N.m, rate-independent only: tau - rho F_0, torque beyond the edge */
     double resistance; /* inertial: |Delta| times the effective inertia; rate-independent: dE/dtheta, N.m/rad */
-    bool
-        possible; /* D/Delta > 0 (docs/mechanism.md, section 3): more torque gives more acceleration, or without inertia
-                      more speed; rate-independent: Delta > 0 */
-    bool stable;  /* rate-independent only: the edge rises along the motion */
+    bool possible;     /* D/Delta > 0 (docs/mechanism.md, section 3); rate-independent: Delta > 0 */
 } RightHandSide;
 
 /* The balance and all that enters it. */

@@ -130,31 +130,38 @@ static bool is_positive(const Determinant *d, const Transmission *transmission) 
 
 /* ---- friction ---- */
 
-/* Goes on to the next sample of theta; false after the last one. Helices have the same slopes everywhere. */
+/* Places between the stops. Helices have the same slopes everywhere: one place tells all, unless friction depends on the
+ * load. */
 typedef struct {
     const Transmission *transmission;
     size_t piece;
+    int intervals; /* of a piece, between its samples */
     int sample;
     double theta;
     TransmissionPoint point;
 } Sampler;
 
+static Sampler sampler_of(const Params *p, const Transmission *transmission) {
+    Sampler s = {.transmission = transmission, .sample = -1};
+    if (!transmission->straight || any_friction_depends_on_load(p))
+        s.intervals = transmission->count < JAM_MANY_PIECES ? JAM_SAMPLES : JAM_SAMPLES_OF_MANY;
+    return s;
+}
+
+/* Goes on to the next place; false after the last one. */
 static bool next_sample(Sampler *s) {
-    const Transmission *t = s->transmission;
-    const int samples = t->count < JAM_MANY_PIECES ? JAM_SAMPLES : JAM_SAMPLES_OF_MANY;
-    if (++s->sample > samples) {
+    if (++s->sample > s->intervals) {
         s->sample = 0;
         s->piece++;
     }
-    if (s->piece >= t->count) return false;
-    const TransmissionPiece *piece = &t->piece[s->piece];
-    s->theta = s->sample == samples ? piece->upper : piece->lower + (piece->upper - piece->lower) * s->sample / samples;
+    if (s->piece >= s->transmission->count) return false;
+    const TransmissionPiece *piece = &s->transmission->piece[s->piece];
+    s->theta = piece->lower;
+    if (s->sample > 0)
+        s->theta = s->sample == s->intervals ? piece->upper
+                                             : piece->lower + (piece->upper - piece->lower) * s->sample / s->intervals;
     s->point = piece_at(piece, s->theta);
     return true;
-}
-
-static Sampler sampler_of(const Transmission *transmission) {
-    return (Sampler){.transmission = transmission, .sample = -1};
 }
 
 /* The largest coefficients at rest between the stops, under F_ext. */
@@ -165,7 +172,7 @@ static void largest_friction(const Params *p, const Transmission *transmission, 
     }
     if (!any_friction_depends_on_load(p)) return;
     double found[2] = {0.0, 0.0};
-    for (Sampler s = sampler_of(transmission); next_sample(&s);) { /* at most JAM_SAMPLES turns per piece */
+    for (Sampler s = sampler_of(p, transmission); next_sample(&s);) { /* at most JAM_SAMPLES turns per piece */
         Geometry g = cam_geometry(p->cam, s.point.slope);
         cam_set_load(p, spring_force(&p->spring, s.point.z) + F_ext, &g);
         for (int i = 0; i < 2; i++) found[i] = max_of(found[i], g.friction[i]);
@@ -176,16 +183,24 @@ static void largest_friction(const Params *p, const Transmission *transmission, 
 
 /* ---- classes ---- */
 
+static bool is_positive_at_corners(const Params *p, const Transmission *transmission, const double mu[2],
+                                   Resistance by) {
+    for (int k = 0; k < FLANK_PAIR_COUNT; k++) {
+        int sign[2];
+        flank_pair(k, 1, sign);
+        const Determinant d = {p, {sign[0] * mu[0], sign[1] * mu[1]}, by};
+        if (!is_positive(&d, transmission)) return false;
+    }
+    return true;
+}
+
 FrictionClass domain_class(const Params *p, const Transmission *transmission, double F_ext) {
     double mu[2];
     largest_friction(p, transmission, F_ext, mu);
-    for (int k = 0; k < 2 * FLANK_PAIR_COUNT; k++) {
-        int sign[2];
-        flank_pair(k / 2, 1, sign);
-        const int direction = k % 2 == 0 ? 1 : -1;
-        const Determinant d = {p, {sign[0] * mu[0], sign[1] * mu[1]}, resistance_at_speed(p, direction)};
-        if (!is_positive(&d, transmission)) return FRICTION_CLASS_SELF_LOCKING;
-    }
+    /* Masses resist in both directions alike. */
+    for (int direction = has_inertia(p) ? 1 : -1; direction <= 1; direction += 2)
+        if (!is_positive_at_corners(p, transmission, mu, resistance_at_speed(p, direction)))
+            return FRICTION_CLASS_SELF_LOCKING;
     return FRICTION_CLASS_UNIQUE;
 }
 
@@ -229,7 +244,7 @@ bool domain_check_loading(const Params *p, const Transmission *transmission, dou
     largest_friction(p, transmission, F_ext, mu);
     const Determinant delta = {p, {mu[0], mu[1]}, {1.0, 0.0, 0.0}};
     if (is_positive(&delta, transmission)) return true;
-    for (Sampler s = sampler_of(transmission); next_sample(&s);) { /* at most JAM_SAMPLES turns per piece */
+    for (Sampler s = sampler_of(p, transmission); next_sample(&s);) { /* at most JAM_SAMPLES turns per piece */
         if (determinant_at(&delta, s.point.slope) > 0.0) continue;
         describe_jam(fault, p, &s, mu);
         return false;
@@ -259,9 +274,11 @@ static double missing_at(const Determinant *d, const double slope[2]) {
 }
 
 bool domain_check_motion(const Params *p, const Transmission *transmission, double F_ext, Fault *fault) {
+    /* D > 0 at the corners is D > 0 on every pair. A shaft without inertia of its own can still be level. */
+    if (p->inertia.shaft > 0.0 && domain_class(p, transmission, F_ext) == FRICTION_CLASS_UNIQUE) return true;
     double most = 0.0, at = 0.0;
     int worst = 0;
-    for (Sampler s = sampler_of(transmission); next_sample(&s);) { /* at most JAM_SAMPLES turns per piece */
+    for (Sampler s = sampler_of(p, transmission); next_sample(&s);) { /* at most JAM_SAMPLES turns per piece */
         for (int direction = -1; direction <= 1; direction += 2) {
             Determinant d = {.params = p, .by = resistance_of(p, direction)};
             if (!edge_friction(p, &s, F_ext, direction, d.f)) continue;

@@ -25,7 +25,8 @@ typedef enum {
 bool domain_check_loading(const Params *params, const Transmission *transmission, double F_ext, Fault *fault);
 
 /* The motion that the torque makes is resisted everywhere: with inertia D > 0 on the pair that loads and on the pair that
- * releases; nowhere level without a shaft that resists. Only forward dynamics needs this. False with the reason, and with a value that works, in `fault`. */
+ * releases; nowhere level without a shaft that resists. Only forward dynamics needs this. False with the reason, and with a
+ * value that works, in `fault`. */
 bool domain_check_motion(const Params *params, const Transmission *transmission, double F_ext, Fault *fault);
 
 FrictionClass domain_class(const Params *params, const Transmission *transmission, double F_ext);

@@ -127,13 +127,6 @@ static inline Dual slip_inertia(const SlipMode *slip, const SlipCoefficients *k)
                                     dual_multiply(dual_scale(i->follower, f->q), k->dpsi_dtheta[0])));
 }
 
-/* The same with other factors, or with the derivatives of the factors. */
-static inline double slip_inertia_with(const SlipMode *slip, const SlipCoefficients *k, const ContactFactors *f) {
-    const InertiaParams *i = &slip->params->inertia;
-    return i->shaft * f->delta + i->follower_mass * k->dz_dtheta.value * f->p +
-           i->follower * k->dpsi_dtheta[0].value * f->q;
-}
-
 /* Without inertia: the derivative of the resisting torque times Delta by omega, b Delta + P z' dD/dv. */
 static inline double slip_viscous_rate(const SlipMode *slip, const SlipCoefficients *k, double omega) {
     const double dz_dtheta = k->dz_dtheta.value;

@@ -23,10 +23,3 @@ static const double OF_TWO_LOG_SERIES[7] = {
     0x1.5555555555592p-1, 0x1.999999997fd32p-2, 0x1.24924941f901bp-2, 0x1.c71c520292835p-3,
     0x1.74664061c3d5cp-3, 0x1.39a192a90afccp-3, 0x1.2f070aeed304ep-3,
 };
-
-/* The same, |s| <= 0.04 */
-static const double OF_TWO_LOG_NEAR = 0x1.47ae147ae147bp-5;
-
-static const double OF_TWO_LOG_NEAR_SERIES[4] = {
-    0x1.5555555555265p-1, 0x1.999999a24e28ap-2, 0x1.249208fc34110p-2, 0x1.c8910302bcda5p-3,
-};

@@ -54,13 +54,6 @@ static inline Vector2 vector2_exp(Vector2 u) {
     return (1.0 - ((low - x * c / (2.0 - c)) - high)) * power;
 }
 
-/* log((1 + s)/(1 - s)) = 2 artanh(s) for |s| <= OF_TWO_LOG_NEAR, to one unit in the last place. */
-static inline Vector2 vector2_log_ratio(Vector2 s) {
-    const Vector2 z = s * s;
-    const double *k = OF_TWO_LOG_NEAR_SERIES;
-    return (s + s) + s * z * (k[0] + z * (k[1] + z * (k[2] + z * k[3])));
-}
-
 /* log(x), x > 0 and normal, to one unit in the last place. With x = 2^n (1 + f), 1 + f from sqrt(1/2) to sqrt(2), and
  * s = f/(2 + f): log(1 + f) = 2 artanh(s), where 2 s = f - f^2/2 + s f^2/2 without the rounding of s. */
 static inline Vector2 vector2_log(Vector2 x) {

@@ -391,7 +391,7 @@ def of_two() -> str:
         return series(half_coth, terms - 1, MP.mpf(0), largest**2, lambda z: z * MP.sqrt(z) / 2)
 
     half_binade, small = MP.log(2) / 2 * MP.mpf("1.0001"), MP.mpf(1) / 10
-    largest, near = (MP.sqrt(2) - 1) / (MP.sqrt(2) + 1) * MP.mpf("1.0001"), MP.mpf(1) / 25
+    largest = (MP.sqrt(2) - 1) / (MP.sqrt(2) + 1) * MP.mpf("1.0001")
     high = parts(MP.log(2), 32)[0]
     return "\n".join(
         [
@@ -404,9 +404,6 @@ def of_two() -> str:
             constants("OF_TWO_EXP_SMALL_SERIES", exp_series(3, small)),
             "/* (2 artanh(s) - 2 s)/s^3 as a polynomial in s^2, |s| <= (sqrt(2) - 1)/(sqrt(2) + 1) */",
             constants("OF_TWO_LOG_SERIES", series(artanh, 6, MP.mpf(0), largest**2, lambda z: z)),
-            f"/* The same, |s| <= {float(near)} */",
-            constant("OF_TWO_LOG_NEAR", rounded(near)),
-            constants("OF_TWO_LOG_NEAR_SERIES", series(artanh, 3, MP.mpf(0), near**2, lambda z: z / 2)),
         ]
     )
 
