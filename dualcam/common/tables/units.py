@@ -9,8 +9,8 @@ from functools import cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from dualcam.arrays import Array
 from dualcam.unit_guards import TORQUE_UNITS
 
 DEGREE = math.pi / 180.0  # rad
@@ -107,7 +107,7 @@ def _last_unit(text: str) -> re.Match[str] | None:
     return max(good, key=lambda match: len(match["unit"]), default=None)
 
 
-def in_unit(values: NDArray[np.float64], factor: float) -> NDArray[np.float64]:
+def in_unit(values: Array, factor: float) -> Array:
     """Values, shape (n,), times a factor. Rounded once where the factor is a short decimal: 4.1 mm is
     0.0041 m to the last digit."""
     exact = Decimal(repr(factor)).normalize()
