@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 ALONG = "angle along the groove, psi [deg]"
 STYLES = ((BLUE, "-"), (ORANGE, "--"))  # both grooves are often equal
-MEGA, MILLI, MICRO = 1e6, 1e3, 1e6  # Pa -> MPa, m -> mm, m -> um
+MEGA, MILLI = 1e6, 1e3  # Pa -> MPa, m -> mm
 
 
 def plot_contact(mechanism: Mechanism, pin: Pin, limit: float) -> Figure:

@@ -176,9 +176,9 @@ def _is_driven(variable: Variable) -> bool:
 
 
 def _kind(variable: Variable) -> str:
-    article = "an" if variable.causality[0] in "aeiou" else "a"
     fixed = "fixed " if variable.causality == "parameter" and not _is_driven(variable) else ""
-    return f"a {fixed}{variable.causality}" if fixed else f"{article} {variable.causality}"
+    kind = f"{fixed}{variable.causality}"
+    return f"{'an' if kind[0] in 'aeiou' else 'a'} {kind}"
 
 
 def _guess(name: str, known: Iterable[str]) -> str:

@@ -8,14 +8,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from dualcam.arrays import REAL, TIME, real_array
+from dualcam.arrays import REAL, TIME, Array, real_array
 from dualcam.common.tables import ANGLE_NAMES, TORQUE_NAMES, Quantity, TableKind, read_table
 from dualcam.errors import IdentificationError, UnitWarning
 from dualcam.paths import path_of
-
-Array = NDArray[np.float64]
 
 LEAST_ROWS = 20
 RECORDING = TableKind(

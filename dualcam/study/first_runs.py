@@ -6,7 +6,7 @@ import math
 import re
 import time
 import warnings
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping
 from contextlib import closing
 from dataclasses import replace
 
@@ -15,11 +15,10 @@ import numpy as np
 from dualcam.errors import DualcamError, DualcamWarning
 from dualcam.reals import Array
 from dualcam.study.checking import Parts, Variables, check_parts, is_meant, percent
-from dualcam.study.history import Number
+from dualcam.study.history import numbers_in
 from dualcam.study.plan import Plan
 from dualcam.study.problem import Findings, refuse
 from dualcam.study.runner import Job, Runner
-from dualcam.study.sampling.formula import formula
 from dualcam.study.scenario import SAME_TIME, Scenario
 from dualcam.study.sound_plan import is_sound_name, names_known, place_of, sound_plan
 
@@ -156,7 +155,9 @@ def _warn_of_period(job: Job, rows: Array) -> None:
     scenario = job.scenario
     if scenario.controller is None:
         return
-    period, stop = (_in_rows(each, job.names, rows) for each in (scenario.controller.period, scenario.stop))
+    columns = dict(zip(job.names, rows.T, strict=True))
+    period = numbers_in(scenario.controller.period, columns, len(rows))
+    stop = numbers_in(scenario.stop, columns, len(rows))
     with np.errstate(all="ignore"):  # of runs that are no scenario
         count = stop / period
         uneven = np.flatnonzero(np.abs(count - np.round(count)) > SAME_TIME * count)
@@ -173,13 +174,6 @@ def _warn_of_period(job: Job, rows: Array) -> None:
         ),
         stacklevel=4,
     )
-
-
-def _in_rows(number: Number, names: Sequence[str], rows: Array) -> Array:
-    """A number or a formula in each row, shape (rows,)."""
-    if not isinstance(number, str):
-        return np.full(len(rows), number)
-    return formula(number).numbers(dict(zip(names, rows.T, strict=True)), len(rows))
 
 
 def _problems_of_texts(runner: Runner, job: Job, rows: Array) -> list[str]:

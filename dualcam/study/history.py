@@ -239,6 +239,13 @@ def number_at(number: Number, values: Mapping[str, Any]) -> float:
     return float(formula(number)(values)) if isinstance(number, str) else float(number)
 
 
+def numbers_in(number: Number, columns: Mapping[str, Array], count: int) -> Array:
+    """The number, or the formula's value, in each of `count` rows with these columns."""
+    if isinstance(number, str):
+        return formula(number).numbers(columns, count)
+    return np.full(count, float(number))
+
+
 def known_number(number: Number) -> float | None:
     """A number that is the same in each run; None for a formula of names, and for what is no number."""
     if not isinstance(number, str):

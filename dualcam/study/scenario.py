@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 
-from dualcam.fmu import Array
 from dualcam.study.history import ORDER, STEPS_MAX, History, Number, names_in, number_at
 from dualcam.study.problem import Findings, StudyError
 
@@ -385,7 +384,3 @@ def instants(results: Sequence[str], stop: float) -> list[tuple[str, float]]:
             )
         found.append((name, time))
     return found
-
-
-def times_of(results: Sequence[str], stop: float) -> Array:
-    return np.unique([time for _, time in instants(results, stop)])

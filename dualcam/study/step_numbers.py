@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dualcam.reals import Array
-from dualcam.study.history import History, Number, names_in
+from dualcam.study.history import History, Number, names_in, numbers_in
 from dualcam.study.problem import StudyError
 from dualcam.study.resolved import values_of
 from dualcam.study.sampling.formula import formula
@@ -302,9 +302,7 @@ class StepNumbers:
         columns = dict(zip(self.names, rows.T, strict=True))
 
         def evaluate(number: Number) -> Array:
-            if isinstance(number, str):
-                return formula(number).numbers(columns, len(rows))
-            return np.full(len(rows), float(number))
+            return numbers_in(number, columns, len(rows))
 
         found, refused = steps_of_rows(self.scenario, self.results, evaluate, len(rows))
         failed = {int(place): self._why_not(rows[place]) for place in refused}

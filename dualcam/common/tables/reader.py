@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from dualcam.arrays import Array
 from dualcam.common.tables.fmu_format import is_fmu_text
 from dualcam.common.tables.header import (
     Column,
@@ -21,7 +22,6 @@ from dualcam.common.tables.header import (
 )
 from dualcam.common.tables.kinds import TableError, TableKind
 from dualcam.common.tables.rows import (
-    Array,
     cells_of,
     has_decimal_comma,
     name_of,

@@ -10,12 +10,10 @@ from itertools import pairwise
 from typing import NoReturn
 
 import numpy as np
-from numpy.typing import NDArray
 
+from dualcam.arrays import Array
 from dualcam.common.tables.kinds import TableError
 from dualcam.common.tables.text import Line, Lines
-
-Array = NDArray[np.float64]
 
 SEPARATORS = {";": "semicolons", "\t": "tabs", ",": "commas", " ": "spaces"}
 NUMBER = re.compile(r"[+-]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eE][+-]?\d+)?")

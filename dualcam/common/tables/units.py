@@ -9,8 +9,8 @@ from functools import cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from dualcam.arrays import Array
 from dualcam.unit_guards import TORQUE_UNITS
 
 DEGREE = math.pi / 180.0  # rad
@@ -62,12 +62,6 @@ SPELLINGS = {
 }
 MEGA = re.compile(r"MN")  # capitals are as good as small letters but here: MN.m is no mN.m
 KINDS = {unit: kind for kind, units in UNITS.items() for unit in units}
-WHOLE = {unit: re.compile(spelling, re.IGNORECASE) for unit, spelling in SPELLINGS.items()}
-LAST = {  # at the end of a column's name
-    unit: re.compile(rf"(?:^|[\s_/,:.])(?P<unit>{spelling})$", re.IGNORECASE)
-    for unit, spelling in SPELLINGS.items()
-    if unit != "1"
-}
 BRACKETS = re.compile(r"[\[({]\s*([^\])}]*?)\s*[\])}]")
 JOINT = re.compile(r"(?:[\s_/,:.]|\bin)+$", re.IGNORECASE)  # between name and unit
 
@@ -86,7 +80,7 @@ def known_unit(text: str) -> str:
     """The unit that a text is; "" for none."""
     if MEGA.match(text):
         return ""
-    return next((unit for unit, pattern in WHOLE.items() if pattern.fullmatch(text)), "")
+    return next((unit for unit, words in SPELLINGS.items() if re.fullmatch(words, text, re.IGNORECASE)), "")
 
 
 @cache
@@ -104,12 +98,16 @@ def head_of(text: str) -> Head:
 
 def _last_unit(text: str) -> re.Match[str] | None:
     """The longest unit at the end of a text."""
-    found = [match for pattern in LAST.values() if (match := pattern.search(text))]
-    good = [match for match in found if not MEGA.match(match["unit"])]
+    found = (
+        re.search(rf"(?:^|[\s_/,:.])(?P<unit>{words})$", text, re.IGNORECASE)
+        for unit, words in SPELLINGS.items()
+        if unit != "1"
+    )
+    good = [match for match in found if match and not MEGA.match(match["unit"])]
     return max(good, key=lambda match: len(match["unit"]), default=None)
 
 
-def in_unit(values: NDArray[np.float64], factor: float) -> NDArray[np.float64]:
+def in_unit(values: Array, factor: float) -> Array:
     """Values, shape (n,), times a factor. Rounded once where the factor is a short decimal: 4.1 mm is
     0.0041 m to the last digit."""
     exact = Decimal(repr(factor)).normalize()

@@ -210,8 +210,8 @@ def sampled_band(mechanism: Mechanism, values: Values, theta: Array) -> SampledB
     terms = [value(f"spring.{name}") for name in SPRING]
     force = terms[0] + one.z * (terms[1] + one.z * (terms[2] + one.z * terms[3]))
     slope, radius = (one.slope, two.slope), (first.radius, second.radius)
-    friction = value("cam1.friction"), value("cam2.friction")
-    friction = friction_under(friction, mechanism.load_laws, slope, radius, force / mechanism.contacts)
+    at_rest = value("cam1.friction"), value("cam2.friction")
+    friction = friction_under(at_rest, mechanism.load_laws, slope, radius, force / mechanism.contacts)
     (release, load), _ = band(slope, friction, radius)
     _require_pressing(force, theta)
     with np.errstate(invalid="ignore", divide="ignore"):

@@ -85,7 +85,8 @@ def _with_scenario(
         return content, ["The scenario has a sine, which a design file cannot have."]
     table: dict[str, Any] = {"stop": scenario.stop}
     table |= {name: value for name in ("step", "tolerance") if (value := getattr(scenario, name))}
-    table |= {key: before[key] for key in ("output_interval",) if key in before}
+    if "output_interval" in before:
+        table["output_interval"] = before["output_interval"]
     assert isinstance(task.model, FmuRuns)
     held = {**task.model.parameters, **design}
     inputs: dict[str, Any] = {

@@ -267,11 +267,6 @@ def is_formula(text: object) -> bool:
     return True
 
 
-def quoted(name: str) -> str:
-    """The name as it stands in a formula."""
-    return name if BARE.fullmatch(name) else f"`{name}`"
-
-
 @cache
 def _in_si(text: str) -> float:
     """The number of a quantity such as "79 GPa" in the base unit of the SI."""
