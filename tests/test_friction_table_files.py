@@ -100,16 +100,21 @@ IMPOSSIBLE = {
         FORWARD,
         STRIBECK,
         {"inertia.shaft": 0.0},
-        ["falls to v_m_s = 0.005", "inertia.shaft"],
+        ["cam1.friction_table", "needs an inertia", "inertia.shaft > 0"],
     ),
     "falls with an elastic shaft": (
         INVERSE,
         STRIBECK,
         {"shaft.stiffness": 50.0},
-        ["falls", "shaft.stiffness = 0"],
+        ["cam1.friction_table", "needs an inertia", "shaft.stiffness = 0"],
     ),
-    "without inertia and damping": (FORWARD, GROWING, {"inertia.shaft": 0.0}, ["0.2", "shaft.damping > 0"]),
-    "jams at rest": (FORWARD, ([0, 1, 2], [3, 0.1, 0.1]), {}, ["jam", "friction_table", "mu = 3 at rest"]),
+    "grows without inertia": (
+        FORWARD,
+        GROWING,
+        {"inertia.shaft": 0.0},
+        ["cam1.friction_table", "needs an inertia", "inertia.shaft > 0"],
+    ),
+    "jams at rest": (FORWARD, ([0, 1, 2], [3, 0.1, 0.1]), {}, ["jam", "friction_table", "mu up to 3"]),
 }
 
 
@@ -119,7 +124,7 @@ def test_impossible(make_model, tables, name):
     fmu = make_model(model)
     fmu.set(tables(samples) | values)
     fmu.ok("fmi2EnterInitializationMode")
-    message = digits(fmu.refused_start()).replace("0.0050000000000000001", "0.005")
+    message = digits(fmu.refused_start())
     for part in mentions:
         assert part in message, message
 

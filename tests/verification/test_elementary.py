@@ -22,7 +22,6 @@ INFINITY, NAN = math.inf, math.nan
 
 
 VECTORS = dict(zip(OF_TWO, ("vector2_exp", "vector2_exp_small", "vector2_log"), strict=True))
-LOG_RATIO = "log ratio of two"
 
 
 @pytest.fixture(scope="module")
@@ -35,13 +34,12 @@ def functions(core):
         double shim_min(double x, double y) { return min_of(x, y); }\n"""
     code += "".join(
         f"double shim_{function}(double x) {{ return {function}((Vector2){{x, 1.0}})[0]; }}\n"
-        for function in (*VECTORS.values(), "vector2_log_ratio")
+        for function in VECTORS.values()
     )
     library = core(["elementary/elementary", "elementary/vector2"], [], code)
     names = {name: f"elementary_{name}" for name in EXACT if name not in ("sin", "cos")}
     names |= {name: f"shim_{name}" for name in ("sin", "cos", "max", "min")}
     names |= {name: f"shim_{function}" for name, function in VECTORS.items()}
-    names[LOG_RATIO] = "shim_vector2_log_ratio"
     found = {}
     for name, symbol in names.items():
         found[name] = getattr(library, symbol)
@@ -65,13 +63,6 @@ def test_less_than_a_unit_in_the_last_place(functions, name):
     numbers = arguments.random_arguments(name, np.random.default_rng(5), COUNT)
     for x, second in zip(*(part.tolist() for part in numbers), strict=True):
         assert off(functions, name, x, second) < 1.0, (x.hex(), second.hex())
-
-
-def test_logarithm_of_a_ratio_near_one(functions):
-    """log((1 + s)/(1 - s)) of s in the range for which the function is made."""
-    for s in np.linspace(-0.04, 0.04, COUNT).tolist():
-        exact = 2 * arguments.MP.atanh(s)
-        assert abs(exact - functions[LOG_RATIO](s)) < math.ulp(float(exact)), s.hex()
 
 
 @pytest.fixture(scope="module")
