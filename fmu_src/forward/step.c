@@ -4,7 +4,6 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "contact/domain.h"
 #include "elementary/elementary.h"
 #include "forward/closed_form_slip.h"
 #include "forward/collocation_slip.h"
@@ -98,13 +97,11 @@ static SlipProposal propose_segment(Mechanism *m, double left, EventLocation *lo
     return SLIP_PROPOSED;
 }
 
-/* The reactions that have passed zero, and the slip that has ended so. In the unique class some pair carries each load: where a
- * motion of some length ends, the next piece of a groove may begin, in which the same pair carries. */
+/* The reactions that have passed zero, and the slips that end so at this place. */
 static void note_crossing(Mechanism *m, const Segment *segment, unsigned slip, bool has_moved) {
     for (int i = 0; i < 2; i++) m->crossed[i] = segment->crossed[i];
     const bool crosses = segment->crossed[0] || segment->crossed[1];
-    if (!crosses || has_moved) m->left_slips = 0;
-    if (crosses && !(has_moved && m->state.friction_class == FRICTION_CLASS_UNIQUE)) m->left_slips |= slip;
+    m->left_slips = crosses && !has_moved ? m->left_slips | slip : 0;
 }
 
 /* Applies the segment, handles its event and updates the run. Returns false if the visitor stops the step. */
