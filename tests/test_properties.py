@@ -275,7 +275,7 @@ NEGATIVE_INERTIA = {
 
 
 def test_a_pair_that_feels_a_negative_inertia_does_not_move(make):
-    """Found by `./build.sh fuzz`: the judge left out this condition of docs/mechanism.md, section 6."""
+    """Found by `./build.sh run fuzz`: the judge left out this condition of docs/mechanism.md, section 6."""
     fmu = make().start(NEGATIVE_INERTIA)
     fmu.step(1.0, tau=4.0, F_ext=-1.0)
     assert fmu.get("mode") not in (LOADING, RELEASING) and fmu.get("torque_load") < 4.0
