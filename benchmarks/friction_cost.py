@@ -37,15 +37,11 @@ TARGET, TARGET_LOADED = 1.3, 2.0  # of the instructions of a collocation step
 SEGMENT = "segment_apply"  # is called once for each collocation step
 # of a table: the piece at the start, the values at the nodes, the way to the next samples
 SAMPLES_OF_SPEED = ("start_on_tables", "find_friction_by_tables", "approach_samples", "aim_at_samples")
-# of a table over the load: besides, the values under the reactions
-SAMPLES_OF_LOAD = (
-    *("take_patches", "friction_start", "place_at", "exp_of"),
-    *("linearise_tables", "linearise_beside_table", "friction_on_patch"),
-)
-TABLE = SAMPLES_OF_SPEED + SAMPLES_OF_LOAD
+# of a table over the load: besides, the values under the nominal loads
+TABLE = (*SAMPLES_OF_SPEED, "friction_on_patch")
 KINETIC, PEAK, STRIBECK, VISCOUS = 0.14, 1.5, 0.01, 0.1  # 1, 1, m/s, s/m
 LOAD_EXPONENT = 0.3
-LOAD = 1000.0  # N, R_ref
+LOAD = 1000.0  # N, N_ref
 LOADS = (100.0, 300.0, 1000.0, 3000.0)  # N, of the table over the load
 SAMPLES = np.array([0.0, *np.geomspace(2e-3, 0.5, 24)])  # m/s, of the table
 

@@ -2,7 +2,7 @@
 
 All rules are in unit_guards.csv, which says how strange a value must be and how many of the likely unit make
 one. A rule only warns: nothing is refused that could be meant. The same rules serve design files, the classes
-of dualcam.design, files of groove tables, and the FMUs themselves (fmu_src/fmi/unit_guards.h).
+of dualcam.design, files of groove tables, and the FMUs themselves (fmu_src/unit_guards.def).
 """
 
 from __future__ import annotations

@@ -29,26 +29,6 @@ def verdict(rows: Sequence[Row]) -> str:
     return "\n".join(map(prose, parts))
 
 
-def about_tables(rows: Sequence[Row]) -> str:
-    """What a friction table over the load costs."""
-    own = [
-        100.0
-        * float(row["table_instructions_per_collocation_step"])
-        * float(row["ratio_per_collocation_step"])
-        / float(row["instructions_per_collocation_step"])
-        for row in rows
-        if row["law"] == "friction table over load"
-    ]
-    return prose(
-        f"""With a friction table over the load, the functions of the table take {min(own):.0f} to
-        {max(own):.0f} % of a Coulomb step. Between two speeds and two loads ln mu is a polynomial of degree 5
-        in the speed and of degree 3 in the logarithm of the load. The polynomial is evaluated once at the
-        start, and at each node and contact in each sweep. The first half sweep finds the derivative by the
-        speed, too, and the sweeps after keep it. Near the load and the coefficient at the start, logarithm
-        and exponential are short series. A step ends where a reaction passes a load of the table."""
-    )
-
-
 def friction_cost(folder: Path) -> str:
     rows = read(folder, "friction_cost")
     by_speed, loaded = dict.fromkeys(row["target"] for row in rows if row["target"])
@@ -95,10 +75,13 @@ def friction_cost(folder: Path) -> str:
                 step with the largest speed inside, where seven nodes find the peak. Where friction varies, a
                 second step of four nodes ends at the peak. A friction table has samples. A step ends at each
                 sample, and halfway between two samples that are far apart: the length is an unknown of the
-                step. Where friction depends on the load, each sweep makes one iteration of Newton's method
-                for reactions and coefficients. With load law and Stribeck curve at both cams the cubic spring
-                moves fastest: many steps of 1 ms are tried and halved."""
+                step. Where friction depends on the load, each node takes one logarithm and one exponential
+                for each contact more."""
             ),
-            about_tables(rows),
+            prose(
+                """With a friction table over the load ln mu is, between two speeds and two loads, a
+                polynomial of degree 5 in the speed and of degree 3 in the logarithm of the nominal load. A
+                step ends where the nominal load passes a load of the table."""
+            ),
         ]
     )

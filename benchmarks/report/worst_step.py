@@ -123,7 +123,7 @@ def bound(found: Found) -> list[str]:
         prose(
             f"""**Bound.** A step is a sequence of segments. Each segment ends at a mode change, at a
             breakpoint of the transmission, or where a single collocation step can go no further. A step with
-            more than {allowed} segments, or in which contacts jam and let go more than
+            more than {allowed} segments, or in which contacts wedge more than
             {limit("jams per step")} times, is refused with fmi2Error. The event location tries at most
             {limit("searches per segment")} lengths of a segment, with at most {limit("solves per search")}
             solves for each length. A solve takes at most {limit("evaluations per solve")} evaluations of the

@@ -1,5 +1,5 @@
 /* Friction tables from CSV files. Header `v_m_s,mu`: sliding speed in m/s and friction coefficient. Header
- * `v_m_s,R_N,mu`: reaction of one contact in N between both; all lines of the first load, then those of the next,
+ * `v_m_s,R_N,mu`: nominal load of one contact in N between both; all lines of the first load, then those of the next,
  * larger one, with the same speeds. The first speed is 0; speeds increase strictly; 0 < mu <= 10. */
 #ifndef DUALCAM_FRICTION_TABLE_LOAD_H
 #define DUALCAM_FRICTION_TABLE_LOAD_H

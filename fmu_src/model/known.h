@@ -18,7 +18,7 @@ typedef enum {
     KNOWN_VISCOUS_2,
     KNOWN_LOAD_EXPONENT_1,
     KNOWN_LOAD_EXPONENT_2,
-    KNOWN_LOAD_1, /* R_ref */
+    KNOWN_LOAD_1, /* N_ref */
     KNOWN_LOAD_2,
     KNOWN_PRELOAD,
     KNOWN_STIFFNESS,

@@ -24,7 +24,7 @@ typedef struct {
     double stribeck_velocity; /* m/s, v_s > 0 */
     double viscous;           /* s/m, mu_v >= 0 */
     double load_exponent;     /* nu */
-    double load;              /* N, R_ref of one contact */
+    double load;              /* N, N_ref of one contact */
     int stribeck_exponent;    /* delta: 1 or 2 */
     /* Replaces the law above unless NULL. Not owned; not of a saved state: the path is (friction_table_load.h). */
     const FrictionTable *table;

@@ -50,8 +50,7 @@ FALSE_OF_CPPCHECK = (
     ("uninitvar", "fmu_src/inverse/imposed_motion.c"),
     # only a transmission of one straight piece has coefficients, and only its steps read them
     ("uninitvar", "fmu_src/contact/slip_mode.c"),
-    # does not see that solve_linear writes both numbers, and that a degree is never negative
-    ("uninitvar", "fmu_src/contact/loaded_contacts.c"),
+    # does not see that a degree is never negative
     ("uninitvar", "fmu_src/numerics/bernstein.c"),
     # takes the bound of the enumeration KNOWN_* for one past its end
     ("arrayIndexOutOfBoundsCond", "fmu_src/collocation/radau_variation.c"),

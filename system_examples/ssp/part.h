@@ -1,6 +1,6 @@
 /* What a part of a system is: values of named variables and a way to advance them.
  *
- * part_variables.h is written by compile.py from the part's table: an enum with an index for each variable,
+ * part_variables.h is written by compilation.py from the part's table: an enum with an index for each variable,
  * and VARIABLES. All of a part's state is in its values. The parts know nothing of FMI; fmi2.c wraps them.
  */
 #ifndef PART_H

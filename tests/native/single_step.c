@@ -1,4 +1,4 @@
-/* Instructions of one step of worst_step.c, counted by the processor: with its trap flag set it stops after every
+/* Instructions of one step of benchmarks/harness/steps.c, counted by the processor: with its trap flag set it stops after every
  * instruction, and the kernel sends SIGTRAP. x86-64 and Linux. */
 #define _GNU_SOURCE
 #include <signal.h>

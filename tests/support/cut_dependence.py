@@ -25,8 +25,8 @@ NUDGE, STEADY = 1e-7, 1e-4
 # Each number has its own sign in a nudge. All forces and inertias together would change nothing but the share
 # of the inputs.
 NUDGES = 8
-# A torque within this share of the terms of its balance is on the edge of the stick band: a tie is rest
-# (tests/test_cuts_of_general_grooves.py). What such a torque does to the speed is rounding.
+# A torque within this share of the terms of its balance is on the edge of the stick band: a tie is rest.
+# What such a torque does to the speed is rounding.
 TIE = 2e-12
 ANGLE = 4 * sys.float_info.epsilon  # share of the farther stop: a rounding of theta
 # Where a mode is decided, a reaction below this share of its terms is zero (CANDIDATE_COARSE in

@@ -43,8 +43,8 @@ def band(r, a, mu, force):
 
 
 def pair_agrees(parameters, a, mu, tau, force, way, flank) -> bool:
-    """Does the pair of flanks let slip begin at rest in the direction `way`? docs/mechanism.md, section 9:
-    y_i = n R_i/h_i and alpha from two torques and one axial force; alpha points along `way`, the inertia felt
+    """Does the pair of flanks let slip begin at rest in the direction `way`? docs/mechanism.md, section 3:
+    y_i = r_i x_i and alpha from two torques and one axial force; alpha points along `way`, the inertia felt
     is positive (section 6), and each y_i presses its own flank, to rounding."""
     r = [parameters[f"cam{i}.radius"] for i in (1, 2)]
     J, m, inertia = (parameters[f"inertia.{name}"] for name in ("shaft", "follower_mass", "follower"))

@@ -1,4 +1,4 @@
-"""Drives one FMU by its C functions and records every bit that it returns, for `compare_builds.py`.
+"""Drives one FMU by its C functions and records every bit that it returns, for `compare.py`.
 
 FMI 2.0 and FMI 3.0 share one class: the names of their functions differ by a prefix and by some letters, and
 FMI 3.0 passes the length of an array of values. A refused call raises nothing: its status is recorded.

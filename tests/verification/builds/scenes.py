@@ -1,4 +1,4 @@
-"""Scenes that `compare_builds.py` plays in two builds: mechanisms, inputs and steps, all by seeded draws.
+"""Scenes that `compare.py` plays in two builds: mechanisms, inputs and steps, all by seeded draws.
 
 Scene `number` of a group is the same on every machine with the same NumPy. A scene that the FMU refuses is a
 scene, too: both builds have to refuse it.

@@ -61,15 +61,16 @@ class Row:
 
 REASONS = {
     "jam when loading": '"the contacts jam when loading at theta = ..."',
-    "nothing resists": '"nothing resists the motion on a dwell"',
-    "jam and let go": '"the contacts jam and let go without end"',
+    "nothing resists": '"nothing resists ... at theta = ..."',
+    "needs an inertia": '"friction that varies with the sliding speed needs an inertia"',
+    "with a damper": '"with a damper and without inertia"',
+    "take the inertia": '"take the inertia that the torque feels to zero"',
+    "wedge and let go": '"the contacts wedge and let go without end"',
     "too many evaluations": '"the step needs too many evaluations of the motion"',
     "too many segments": '"the step needs too many segments"',
     "both grooves are level": '"both grooves are level at theta = ..."',
     "elliptical groove": '"the elliptical groove ... ends at psi = ..., reached at theta = ..."',
     "describing the grooves": '"describing the grooves in between takes more than ... polynomials"',
-    "without inertia no speed": '"without inertia no speed balances the torque"',
-    "without inertia rest": '"without inertia rest and motion both balance the torque"',
     "is refused": '"... is refused: allowed is ..."',
 }
 
