@@ -171,7 +171,7 @@ def test_a_worker_that_finds_the_disk_full_loses_nothing(tmp_path):
     with pytest.raises(Stop):
         one.run_to_files(tmp_path, workers=0, runs_per_file=2000, on_file_written=after(1, stop))
     try:
-        resource.setrlimit(RLIMIT, (400_000, limits[1]))
+        resource.setrlimit(RLIMIT, (600_000, limits[1]))
         with refused("cannot write", "runs-00000", "kept"):
             one.run_to_files(tmp_path, workers=2)
     finally:

@@ -19,7 +19,7 @@ ROOT = Path(__file__).resolve().parents[2]
 RULES = ROOT / "dualcam/unit_guards.csv"
 VARIABLES = ROOT / "fmu_src/variables.def"
 TABLE = ROOT / "fmu_src/unit_guards.def"
-PARAMETER = re.compile(r'VARIABLE\((\w+), REAL, (\w+), PARAMS, [^,]+, "([^"]+)"')
+PARAMETER = re.compile(r'VARIABLE\((\w+), (?:EACH\(\d+, \d+\)|\d+), REAL, (\w+), PARAMS, [^,]+, "([^"]+)"')
 
 
 def rows() -> list[str]:
