@@ -27,6 +27,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from dualcam.common.moved import find_moved_modules
+
 if TYPE_CHECKING:
     from dualcam import (
         checking,
@@ -41,14 +43,17 @@ if TYPE_CHECKING:
         plots,
         report,
         simulation,
-        ssp,
         study,
         systems,
         view,
     )
-    from dualcam.bridge import to_nonlinear_io_system
     from dualcam.checking import Verdict, check_design
-    from dualcam.continuous_fmu import ContinuousFmu
+    from dualcam.control.bridge import to_nonlinear_io_system
+    from dualcam.control.harmonic_balance import LimitCycle
+    from dualcam.control.hysteresis import CamHysteresis
+    from dualcam.control.limit_cycles import LimitCycles
+    from dualcam.control.linear import OperatingPoint, OperatingPointError, linearize
+    from dualcam.control.sampled_loop import LoopMotion
     from dualcam.coupling import PlantCoupling
     from dualcam.design_file import DesignFile, DesignFileError, read_design
     from dualcam.errors import (
@@ -68,22 +73,17 @@ if TYPE_CHECKING:
         UnknownVariableError,
         UnstableCouplingWarning,
     )
-    from dualcam.export import export_fmu
+    from dualcam.export import export_fmu, export_ssp
     from dualcam.fleet import Fleet, FleetState
-    from dualcam.fmu import Fmu, RepeatedStart
-    from dualcam.handle import FmuState
-    from dualcam.harmonic_balance import LimitCycle
-    from dualcam.hysteresis import CamHysteresis
+    from dualcam.fmi.continuous_fmu import ContinuousFmu
+    from dualcam.fmi.fmu import Fmu, RepeatedStart
+    from dualcam.fmi.handle import FmuState
+    from dualcam.fmi.library import fmu_path
+    from dualcam.fmi.model_description import ModelDescription, Variable, read_model_description
+    from dualcam.fmi.reals import Reals
     from dualcam.identification import Identification, identify
-    from dualcam.library import fmu_path
-    from dualcam.limit_cycles import LimitCycles
-    from dualcam.linear import OperatingPoint, OperatingPointError, linearize
-    from dualcam.model_description import ModelDescription, Variable, read_model_description
-    from dualcam.reals import Reals
     from dualcam.report import write_report
-    from dualcam.sampled_loop import LoopMotion
     from dualcam.simulation import Trajectory, simulate
-    from dualcam.ssp import export_ssp
     from dualcam.study.problem import StudyError
     from dualcam.view import write_view
 
@@ -147,7 +147,6 @@ __all__ = [
     "report",
     "simulate",
     "simulation",
-    "ssp",
     "study",
     "systems",
     "to_nonlinear_io_system",
@@ -157,8 +156,8 @@ __all__ = [
 ]
 
 _MODULE_OF = {
-    "CamHysteresis": "hysteresis",
-    "ContinuousFmu": "continuous_fmu",
+    "CamHysteresis": "control.hysteresis",
+    "ContinuousFmu": "fmi.continuous_fmu",
     "CouplingError": "errors",
     "DesignError": "errors",
     "DesignFile": "design_file",
@@ -170,41 +169,41 @@ _MODULE_OF = {
     "Fleet": "fleet",
     "FleetError": "errors",
     "FleetState": "fleet",
-    "Fmu": "fmu",
+    "Fmu": "fmi.fmu",
     "FmuError": "errors",
-    "FmuState": "handle",
+    "FmuState": "fmi.handle",
     "Identification": "identification",
     "IdentificationError": "errors",
-    "LimitCycle": "harmonic_balance",
+    "LimitCycle": "control.harmonic_balance",
     "LimitCycleWarning": "errors",
-    "LimitCycles": "limit_cycles",
-    "LoopMotion": "sampled_loop",
-    "ModelDescription": "model_description",
+    "LimitCycles": "control.limit_cycles",
+    "LoopMotion": "control.sampled_loop",
+    "ModelDescription": "fmi.model_description",
     "MujocoError": "errors",
-    "OperatingPoint": "linear",
-    "OperatingPointError": "linear",
+    "OperatingPoint": "control.linear",
+    "OperatingPointError": "control.linear",
     "PlantCoupling": "coupling",
-    "Reals": "reals",
-    "RepeatedStart": "fmu",
+    "Reals": "fmi.reals",
+    "RepeatedStart": "fmi.fmu",
     "StudyError": "study.problem",
     "TaskError": "errors",
     "Trajectory": "simulation",
     "UnitWarning": "errors",
     "UnknownVariableError": "errors",
     "UnstableCouplingWarning": "errors",
-    "Variable": "model_description",
+    "Variable": "fmi.model_description",
     "Verdict": "checking",
-    "__version__": "version",
+    "__version__": "common.version",
     "check_design": "checking",
     "export_fmu": "export",
-    "export_ssp": "ssp",
-    "fmu_path": "library",
+    "export_ssp": "export",
+    "fmu_path": "fmi.library",
     "identify": "identification",
-    "linearize": "linear",
+    "linearize": "control.linear",
     "read_design": "design_file",
-    "read_model_description": "model_description",
+    "read_model_description": "fmi.model_description",
     "simulate": "simulation",
-    "to_nonlinear_io_system": "bridge",
+    "to_nonlinear_io_system": "control.bridge",
     "write_report": "report",
     "write_view": "view",
 }
@@ -221,11 +220,12 @@ _MODULES = (
     "plots",
     "report",
     "simulation",
-    "ssp",
     "study",
     "systems",
     "view",
 )
+
+find_moved_modules()
 
 if not TYPE_CHECKING:  # type checkers see the imports above, and report other names
 
@@ -235,6 +235,10 @@ if not TYPE_CHECKING:  # type checkers see the imports above, and report other n
         if name in _MODULES:
             return import_module(f"dualcam.{name}")
         if name not in _MODULE_OF:
+            from dualcam.common.moved import MOVED, moved_module
+
+            if name in MOVED:
+                return moved_module(name, stacklevel=2)
             from difflib import get_close_matches
 
             near = get_close_matches(name, __all__, n=3)

@@ -27,9 +27,9 @@ from dualcam.design_file import (
 )
 from dualcam.design_file.units import quantity
 from dualcam.errors import DesignError, DualcamError
-from dualcam.library import fmu_path
-from dualcam.systems import car_door, elbow, knee
-from dualcam.variables import all_parameters, inputs_of, parameters_of
+from dualcam.fmi.library import fmu_path
+from dualcam.fmi.variables import all_parameters, inputs_of, parameters_of
+from dualcam.systems.machines import car_door, elbow, knee
 
 
 @pytest.fixture

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from dualcam.checking import Verdict
     from dualcam.design import Design, Mechanism
     from dualcam.design_file import DesignFile
-    from dualcam.model_description import Scalar
+    from dualcam.fmi.model_description import Scalar
 
 NUMBER_FIRST = re.compile(r"\s*[+-]?[.,]?\d")
 GROOVE2 = ("equal", "given")

@@ -7,6 +7,8 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from dualcam.common.paths import path_of
+from dualcam.common.unit_guards import table_warnings, unit_warning, units_checked_before
 from dualcam.design_file.design import DesignFile, SpringLimits
 from dualcam.design_file.findings import ERROR, WARNING, DesignFileError, Finding
 from dualcam.design_file.fmu_tables import fmu_friction, fmu_groove
@@ -14,9 +16,7 @@ from dualcam.design_file.friction_tables import ANALYTIC_FRICTION
 from dualcam.design_file.keys import unknown_key
 from dualcam.design_file.toml_text import line_of, lines_of_keys, parse, read_text
 from dualcam.errors import DualcamError
-from dualcam.paths import path_of
-from dualcam.unit_guards import table_warnings, unit_warning, units_checked_before
-from dualcam.variables import all_parameters, inputs_of
+from dualcam.fmi.variables import all_parameters, inputs_of
 
 ANY_INPUT = ("F_ext",)  # inputs of both models
 
@@ -317,7 +317,7 @@ class _Reading:
         return "inverse" if by_model["inverse"] else "forward"
 
     def _check_output_interval(self, stop: float, interval: float | None) -> None:
-        from dualcam.simulation import sample_times
+        from dualcam.simulation.run import sample_times
 
         try:
             sample_times(stop, interval)

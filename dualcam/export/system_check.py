@@ -10,10 +10,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from dualcam.errors import DesignError, DualcamError
-from dualcam.model_description import ModelDescription, Variable, read_model_description
+from dualcam.fmi.model_description import ModelDescription, Variable, read_model_description
 
 if TYPE_CHECKING:
-    from dualcam.ssp import System
+    from dualcam.export.ssp import System
 
 NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_-]*")
 FMI_2_ALONE = "SSP 1.0 holds FMUs of FMI 2.0 for co-simulation: `dualcam export my.toml -o MyCam.fmu --fmi 2`"

@@ -6,12 +6,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from dualcam.checking import check_design
+from dualcam.common.paths import path_of, write_text
 from dualcam.design_file import read_design
 from dualcam.design_file.toml_text import ENTRY, HEADER, line_of, lines_of_keys, read_text
 from dualcam.errors import DualcamError, IdentificationError
 from dualcam.identification.unknowns import GROUPS
 from dualcam.identification.words import OPEN
-from dualcam.paths import path_of, write_text
 
 if TYPE_CHECKING:
     from dualcam.identification.result import FittedParameter, Identification

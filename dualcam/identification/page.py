@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import dualcam
-from dualcam.html_page import page, table
+from dualcam.common.html_page import page, table
+from dualcam.common.paths import page_path_of, write_text
+from dualcam.common.svg import figure_element
 from dualcam.identification.picture import plot_identification
 from dualcam.identification.words import HEADS, OPEN, rows_of
-from dualcam.paths import page_path_of, write_text
-from dualcam.svg import figure_element
 
 if TYPE_CHECKING:
     from dualcam.identification.result import Identification

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dualcam.plots import ANGLE, BLUE, GREY, ORANGE, figure, legend_above
+from dualcam.plots.design import ANGLE, BLUE, GREY, ORANGE, figure, legend_above
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from dualcam.common.unit_guards import torque_factor_warnings
 from dualcam.design_file import DesignFile
 from dualcam.errors import IdentificationError
 from dualcam.identification.ambiguity import Ambiguity
@@ -17,7 +18,6 @@ from dualcam.identification.lack_of_fit import Lever, Missing
 from dualcam.identification.motion import Motion
 from dualcam.identification.recording import Recording
 from dualcam.identification.smoothing import NORMAL
-from dualcam.unit_guards import torque_factor_warnings
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 
 from dualcam import Fmu, Reals
-from dualcam.ssp import Value, split, tag
+from dualcam.export.ssp import Value, split, tag
 
 Columns = Mapping[str, np.ndarray]
 

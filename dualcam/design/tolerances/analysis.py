@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dualcam.arrays import real_array
+from dualcam.common.arrays import real_array
 from dualcam.design.mechanism import Mechanism
 from dualcam.design.statics import Array
 from dualcam.design.tolerances.limits import Limit, Yield, check_quantity, yield_of

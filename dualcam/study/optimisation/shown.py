@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from dualcam.library import source_path
-from dualcam.model_description import read_model_description
+from dualcam.fmi.library import source_path
+from dualcam.fmi.model_description import read_model_description
 from dualcam.study.optimisation.task import FmuRuns, Optimisation, choices
 
 DIGITS = 6

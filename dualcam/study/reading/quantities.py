@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from dualcam.errors import DesignError
-from dualcam.model_description import Variable
+from dualcam.fmi.model_description import Variable
 from dualcam.study.problem import StudyError
 
 Units = Mapping[str, str | None]  # unit by variable, "1" for a plain number; None: no real

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from dualcam.reals import Array
+from dualcam.fmi.reals import Array
 from dualcam.study.problem import StudyError
 
 LONGEST = 1000  # characters; a longer text is no formula of a person
