@@ -15,7 +15,7 @@ from scipy.optimize import brentq
 
 from benchmarks.coupling import own_plant
 from dualcam import Fmu
-from dualcam.coupling.plant_coupling import (
+from dualcam.coupling import (
     Impedance,
     PlantCoupling,
     ShaftMotion,
