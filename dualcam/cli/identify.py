@@ -126,7 +126,7 @@ def _progress(quiet: bool) -> Callable[[str], None]:
 
 
 def _tell(found: Identification) -> None:
-    from dualcam.identification.words import HEADS, rows_of
+    from dualcam.identification.result import HEADS, rows_of
 
     print_table(HEADS, rows_of(found))
     for line in found.summary():

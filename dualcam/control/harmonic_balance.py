@@ -12,19 +12,16 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.optimize import root
 
 from dualcam.control.forward import CamAtState
+from dualcam.control.play_operator import PlayOperator
 from dualcam.control.sampled_loop import SampledController
 from dualcam.control.swing import FEW_NODES, Harmonics, ImposedSwing
 from dualcam.fmi.reals import Array
-
-if TYPE_CHECKING:
-    from dualcam.control.hysteresis import CamHysteresis
 
 AMPLITUDES, FREQUENCIES, FINE = 14, 18, 400  # of a search, spaced by equal factors
 SMALLEST, SLOWEST = 1e-3, 1e-4  # first amplitude over the largest, first frequency over the largest
@@ -90,7 +87,7 @@ class Candidate:
     start: Start
 
 
-def candidates(hysteresis: CamHysteresis, controller: SampledController) -> list[Candidate]:
+def candidates(hysteresis: PlayOperator, controller: SampledController) -> list[Candidate]:
     """The limit cycles that both balances find, by rising amplitude. Of two that are nearly the same, the one
     with less distortion."""
     found = SinusoidalTorque(hysteresis, controller).candidates()
@@ -169,7 +166,7 @@ class SinusoidalAngle(Balance):
 
     name = "angle"
 
-    def __init__(self, hysteresis: CamHysteresis, controller: SampledController, cam: CamAtState) -> None:
+    def __init__(self, hysteresis: PlayOperator, controller: SampledController, cam: CamAtState) -> None:
         self.hysteresis, self.controller, self.theta = hysteresis, controller, hysteresis.theta
         self.swing = ImposedSwing(cam, hysteresis.theta, hysteresis.F_ext)
         nearer = min(hysteresis.theta - hysteresis.lower, hysteresis.upper - hysteresis.theta)
@@ -235,7 +232,7 @@ class SinusoidalTorque(Balance):
 
     name = "torque"
 
-    def __init__(self, hysteresis: CamHysteresis, controller: SampledController) -> None:
+    def __init__(self, hysteresis: PlayOperator, controller: SampledController) -> None:
         self.hysteresis, self.controller = hysteresis, controller
         self.fastest = FASTEST * math.pi / controller.period
         width = hysteresis.band(hysteresis.upper)[1] - hysteresis.band(hysteresis.lower)[0]

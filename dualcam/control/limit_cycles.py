@@ -4,15 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from dualcam.control.harmonic_balance import Candidate, LimitCycle, Start
+from dualcam.control.play_operator import PlayOperator
 from dualcam.control.sampled_loop import MOST_TORQUE, LoopMotion, SampledController, SampledLoop
-
-if TYPE_CHECKING:
-    from dualcam.control.hysteresis import CamHysteresis
 
 ALLOWED = 0.1  # relative error of a prediction that is said to hold
 STARTS = (-0.05, 0.3, -0.95, 0.95)  # offsets from which the loop is run, of the distance to the stop there
@@ -64,7 +61,7 @@ def unchecked(controller: SampledController, found: list[Candidate]) -> LimitCyc
 
 
 def check_in_loop(
-    hysteresis: CamHysteresis,
+    hysteresis: PlayOperator,
     controller: SampledController,
     found: list[Candidate],
     duration: float,
@@ -84,7 +81,7 @@ class _Checks:
     """Runs of the loop. `motions`: the different ones in which the loop settled, but for rest."""
 
     def __init__(
-        self, hysteresis: CamHysteresis, loop: SampledLoop, found: list[Candidate], duration: float
+        self, hysteresis: PlayOperator, loop: SampledLoop, found: list[Candidate], duration: float
     ) -> None:
         self.hysteresis, self.loop, self.found, self.duration = hysteresis, loop, found, duration
         self.motions: list[LoopMotion] = []
