@@ -43,6 +43,7 @@ if TYPE_CHECKING:
         plots,
         report,
         simulation,
+        ssp,
         study,
         systems,
         view,
@@ -73,7 +74,7 @@ if TYPE_CHECKING:
         UnknownVariableError,
         UnstableCouplingWarning,
     )
-    from dualcam.export import export_fmu, export_ssp
+    from dualcam.export import export_fmu
     from dualcam.fleet import Fleet, FleetState
     from dualcam.fmi.continuous_fmu import ContinuousFmu
     from dualcam.fmi.fmu import Fmu, RepeatedStart
@@ -84,6 +85,7 @@ if TYPE_CHECKING:
     from dualcam.identification import Identification, identify
     from dualcam.report import write_report
     from dualcam.simulation import Trajectory, simulate
+    from dualcam.ssp import export_ssp
     from dualcam.study.problem import StudyError
     from dualcam.view import write_view
 
@@ -147,6 +149,7 @@ __all__ = [
     "report",
     "simulate",
     "simulation",
+    "ssp",
     "study",
     "systems",
     "to_nonlinear_io_system",
@@ -196,7 +199,7 @@ _MODULE_OF = {
     "__version__": "common.version",
     "check_design": "checking",
     "export_fmu": "export",
-    "export_ssp": "export",
+    "export_ssp": "ssp",
     "fmu_path": "fmi.library",
     "identify": "identification",
     "linearize": "control.linear",
@@ -220,6 +223,7 @@ _MODULES = (
     "plots",
     "report",
     "simulation",
+    "ssp",
     "study",
     "systems",
     "view",

@@ -19,8 +19,8 @@ from lxml import etree
 from ssp_structures import connections_of, connectors_of
 
 from dualcam import Fmu, FmuError
-from dualcam.export import ssp as ssp_package
-from dualcam.export.ssp import split, tag
+from dualcam import ssp as ssp_package
+from dualcam.ssp.package import split, tag
 from dualcam.systems.blocks.current_loop import CURRENT_BANDWIDTH, CURRENT_RATE, CurrentLoop
 from dualcam.systems.blocks.motions import FourierSeries
 from dualcam.systems.blocks.motor import AK80_6

@@ -8,7 +8,7 @@ from fmpy.ssp.simulation import simulate_ssp
 from fmpy.validation import validate_fmu
 
 from dualcam import DesignError, Fmu, fmu_path
-from dualcam.export.ssp import Component, System
+from dualcam.ssp import Component, System
 
 FORWARD, INVERSE = fmu_path("forward"), fmu_path("inverse")
 CAM = Component("cam", FORWARD, {"inertia.shaft": 0.05, "spring.preload": 10.0})

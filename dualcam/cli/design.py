@@ -233,7 +233,7 @@ def _wanted(torque: str) -> float | Path:
         path = Path(torque)
     if path.suffix.lower() in (".csv", ".txt", ".tsv") or path.exists() or not NUMBER_FIRST.match(torque):
         return path
-    from dualcam.design_file.units import quantity
+    from dualcam.common.written_units import quantity
 
     if re.fullmatch(r"[+-]?\d+,\d+", torque.strip()):
         raise DesignError(f"--torque {torque}: a decimal comma: write {torque.replace(',', '.')}")

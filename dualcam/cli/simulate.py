@@ -73,7 +73,8 @@ def command(
 
 
 def _run(design: DesignFile, names: list[str], fmu: Path | None, quiet: bool) -> Trajectory:
-    from dualcam.simulation.run import sample_times, simulate
+    from dualcam.design_file.sample_times import sample_times
+    from dualcam.simulation.run import simulate
 
     scenario = design.scenario
     samples = 0 if scenario is None else len(sample_times(scenario.stop, design.output_interval))

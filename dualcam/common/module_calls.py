@@ -12,7 +12,7 @@ CALLS = {
     "dualcam.design": "dualcam.design.design_groove(...), or dualcam.read_design(path) for a design file",
     "dualcam.export": "dualcam.export_fmu(design, path)",
     "dualcam.report": "dualcam.write_report(design, path)",
-    "dualcam.export.ssp": "dualcam.export_ssp(design, path)",
+    "dualcam.ssp": "dualcam.export_ssp(design, path)",
     "dualcam.study": "dualcam.study.read_study(path)",
     "dualcam.view": "dualcam.write_view(design, path)",
 }

@@ -15,7 +15,6 @@ _ROOMS = {  # new place -> names of the modules that kept their names
     "control": "bridge forward harmonic_balance hysteresis limit_cycles linear sampled_loop swing",
     "coupling": "held_feedback plant",
     "design_file": "durability",
-    "export": "ssp",
     "fmi": "binary continuous_fmu fmi2 fmi3 fmu handle instance library model_description platforms reals"
     " variables",
     "report": "summary",

@@ -16,7 +16,7 @@ from dualcam.design.strength import strength
 
 if TYPE_CHECKING:
     from dualcam.design import Fatigue, HelicalSpring, Mechanism, Pin, Wear, WearLife
-    from dualcam.design_file import DesignFile
+    from dualcam.design_file.design import DesignFile
 
 
 @dataclass(frozen=True)

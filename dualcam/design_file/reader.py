@@ -14,6 +14,7 @@ from dualcam.design_file.findings import ERROR, WARNING, DesignFileError, Findin
 from dualcam.design_file.fmu_tables import fmu_friction, fmu_groove
 from dualcam.design_file.friction_tables import ANALYTIC_FRICTION
 from dualcam.design_file.keys import unknown_key
+from dualcam.design_file.sample_times import sample_times
 from dualcam.design_file.toml_text import line_of, lines_of_keys, parse, read_text
 from dualcam.errors import DualcamError
 from dualcam.fmi.variables import all_parameters, inputs_of
@@ -317,8 +318,6 @@ class _Reading:
         return "inverse" if by_model["inverse"] else "forward"
 
     def _check_output_interval(self, stop: float, interval: float | None) -> None:
-        from dualcam.simulation.run import sample_times
-
         try:
             sample_times(stop, interval)
         except DualcamError as error:

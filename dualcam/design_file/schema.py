@@ -20,7 +20,7 @@ from pydantic import (
 from pydantic_core import PydanticCustomError
 
 from dualcam.common.unit_guards import unit_warning
-from dualcam.design_file.units import quantity
+from dualcam.common.written_units import quantity
 from dualcam.errors import DesignError
 from dualcam.fmi.variables import SettableVariable, all_inputs, all_parameters
 

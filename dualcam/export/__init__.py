@@ -1,7 +1,6 @@
 """FMUs of own designs: own name, GUID, start values, tables, documentation and reference result.
 
     export_fmu          makes the FMU of a design from the project's FMU, for all its platforms
-    export_ssp          makes the SSP package of a design
     model_identifier    the C identifier of an FMU with that name
 
 No compiler is needed. Start values edited in a modelDescription.xml do nothing by themselves: an FMU starts
@@ -14,8 +13,7 @@ from dualcam.common.module_calls import explain_call_of
 from dualcam.errors import ExportError
 from dualcam.export.exporter import Design, export_fmu
 from dualcam.export.names import model_identifier
-from dualcam.export.ssp import export_ssp
 
-__all__ = ["Design", "ExportError", "export_fmu", "export_ssp", "model_identifier"]
+__all__ = ["Design", "ExportError", "export_fmu", "model_identifier"]
 
 explain_call_of(__name__)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator, KeysView, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -25,8 +24,6 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-DEFAULT_SAMPLES = 1000  # where the scenario gives no output interval
-MOST_SAMPLES = 2_000_000
 ENERGIES = (
     "energy.work_in",
     "energy.work_ext",
@@ -198,6 +195,7 @@ def simulate(
     1.3962634015954636
     """
     from dualcam.design_file import as_design
+    from dualcam.design_file.sample_times import sample_times
 
     design = as_design(design)
     if not isinstance(parameters, Mapping | None):
@@ -229,26 +227,6 @@ def simulate(
                 if progress is not None:
                     progress(min(1.0, (step.time + step.size) / scenario.stop))
     return Trajectory(("time", *names), np.array(rows))
-
-
-def sample_times(stop: float, interval: float | None) -> Array:
-    """Times [s] of the samples: multiples of the output interval, and the end.
-
-    Raises
-    ------
-    DesignError
-        For an interval that is not above 0, or gives too many samples.
-    """
-    interval = stop / DEFAULT_SAMPLES if interval is None else interval
-    if not (math.isfinite(interval) and interval > 0.0):
-        raise DesignError(f"scenario.output_interval = {interval} s: allowed is a finite number above 0")
-    if stop / interval > MOST_SAMPLES:
-        raise DesignError(
-            f"scenario.output_interval = {interval:g} s gives {stop / interval:.3g} samples: allowed are up"
-            f" to {MOST_SAMPLES:,}, from {stop / MOST_SAMPLES:.3g} s on"
-        )
-    count = math.ceil(stop / interval * (1.0 - 1e-12))
-    return np.minimum(np.arange(count + 1) * interval, stop)
 
 
 def _takes_derivatives(handle: Fmu) -> bool:

@@ -22,7 +22,7 @@ from pathlib import Path
 
 import numpy as np
 
-from dualcam.export.ssp import START
+from dualcam.ssp import START
 from system_examples.ssp import clamp_runs, compilation, hosts, parts
 from system_examples.ssp.coupling import Columns, couple
 from system_examples.ssp.outcome import Outcome, largest_difference, table

@@ -10,7 +10,7 @@ needs no more than outputs of the cam. The way back ends at connectors of the ki
 
 from __future__ import annotations
 
-from dualcam.export.ssp import Component
+from dualcam.ssp import Component
 from dualcam.systems.blocks.grease import REFERENCE
 from dualcam.systems.machines import clamp
 from dualcam.systems.machines.clamp import GREASE, HALL, MOTION, NETWORK

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from dualcam import Fmu
-from dualcam.export.ssp import START
+from dualcam.ssp import START
 from dualcam.systems.machines import clamp
 from system_examples.ssp.clamp import FRICTION_CONNECTIONS, WATCHED, clamp_system
 from system_examples.ssp.components import CAM

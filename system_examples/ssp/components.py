@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from dualcam.export.ssp import Component, Value
+from dualcam.ssp import Component, Value
 from dualcam.systems.blocks.current_loop import CURRENT_BANDWIDTH, CURRENT_RATE
 from dualcam.systems.blocks.gravity import GravityLoad
 from dualcam.systems.blocks.helical_cam import HelicalCam

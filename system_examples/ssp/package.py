@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from dualcam.export import ssp
+from dualcam import ssp
 from system_examples.ssp.parts import BUILD
 
 FOLDER = BUILD / "ssp"

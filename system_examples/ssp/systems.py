@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dualcam import Fmu
-from dualcam.export.ssp import Component
+from dualcam.ssp import Component
 from dualcam.systems.blocks.axis import CamAxis, simulate_closed_loop
 from dualcam.systems.blocks.current_loop import CONTROL_PERIOD, CURRENT_RATE, CurrentLoop
 from dualcam.systems.blocks.motor import AK80_6

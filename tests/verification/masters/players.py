@@ -19,7 +19,7 @@ import numpy as np
 from fmpy.ssp.simulation import simulate_ssp
 from fmpy.ssp.ssd import read_ssv
 
-from dualcam.export.ssp import Component, System
+from dualcam.ssp import Component, System
 from verification.masters import install
 from verification.masters.install import Failed, Words, attempt, complaint
 from verification.masters.scenes import INVERSE, Array, Result, Scene, fmu, play

@@ -7,19 +7,16 @@ import re
 from collections.abc import Iterable, Iterator
 from difflib import get_close_matches
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from dualcam.errors import DesignError, DualcamError
 from dualcam.fmi.model_description import ModelDescription, Variable, read_model_description
-
-if TYPE_CHECKING:
-    from dualcam.export.ssp import System
+from dualcam.ssp.system_structure import SystemStructure
 
 NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_-]*")
 FMI_2_ALONE = "SSP 1.0 holds FMUs of FMI 2.0 for co-simulation: `dualcam export my.toml -o MyCam.fmu --fmi 2`"
 
 
-def check_system(system: System) -> None:
+def check_system(system: SystemStructure) -> None:
     """DesignError with all problems of a system."""
     descriptions: dict[str, ModelDescription] = {}
     problems = [*_times(system), *_components(system, descriptions)]
@@ -31,14 +28,14 @@ def check_system(system: System) -> None:
         raise DesignError("\n".join([f"the system {system.name!r} cannot be packed:", *problems]))
 
 
-def _times(system: System) -> Iterator[str]:
+def _times(system: SystemStructure) -> Iterator[str]:
     for name in ("step", "duration"):
         value = getattr(system, name)
         if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 < value < math.inf:
             yield f"{name} = {value!r}: allowed is a finite number > 0, in s"
 
 
-def _components(system: System, descriptions: dict[str, ModelDescription]) -> Iterator[str]:
+def _components(system: SystemStructure, descriptions: dict[str, ModelDescription]) -> Iterator[str]:
     """Names and FMUs; the descriptions of the FMUs go to `descriptions`."""
     if not system.components:
         yield "components = (): allowed is one component or more"
@@ -57,7 +54,7 @@ def _components(system: System, descriptions: dict[str, ModelDescription]) -> It
             yield f"component {name!r}: {file} is FMI {description.fmi_version}: {FMI_2_ALONE}"
 
 
-def _values(system: System, descriptions: dict[str, ModelDescription]) -> Iterator[str]:
+def _values(system: SystemStructure, descriptions: dict[str, ModelDescription]) -> Iterator[str]:
     """Start values: known parameters, in their ranges."""
     for component in system.components:
         known = {variable.name: variable for variable in descriptions[component.name].variables}
@@ -72,7 +69,7 @@ def _values(system: System, descriptions: dict[str, ModelDescription]) -> Iterat
                 yield f"{end} = {value!r}: allowed is {_range(known[name])}"
 
 
-def _files(system: System) -> Iterator[str]:
+def _files(system: SystemStructure) -> Iterator[str]:
     """Different FMUs have different names in the package."""
     files: dict[str, Path] = {}
     for component in system.components:
@@ -103,7 +100,7 @@ def _range(variable: Variable) -> str:
 class _Ends:
     """Checks of what connections and ports name, "component.variable"."""
 
-    def __init__(self, system: System, descriptions: dict[str, ModelDescription]) -> None:
+    def __init__(self, system: SystemStructure, descriptions: dict[str, ModelDescription]) -> None:
         self.system = system
         self.known = {
             f"{name}.{variable.name}": variable

@@ -11,17 +11,16 @@ from __future__ import annotations
 import io
 import tempfile
 import xml.etree.ElementTree as ET
-import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from dualcam.common.archive import archive_bytes, read_members, write_archive
-from dualcam.common.module_calls import explain_call_of
+from dualcam.common.archive import write_archive
 from dualcam.common.paths import path_of, whole_file
 from dualcam.errors import DesignError
+from dualcam.ssp.system_check import check_system
+from dualcam.ssp.system_structure import Component, SystemStructure, Value
 
 if TYPE_CHECKING:
     from dualcam.design_file import DesignFile, DesignSource
@@ -36,7 +35,6 @@ NAMES["oms"] = "https://raw.githubusercontent.com/OpenModelica/OMSimulator/maste
 for prefix, address in NAMES.items():
     ET.register_namespace(prefix, address)
 
-Value = float | int
 TOLERANCE = 1e-9  # the FMUs' default
 
 
@@ -66,66 +64,7 @@ def split(end: str) -> tuple[str, str]:
 
 
 @dataclass(frozen=True)
-class Component:
-    """An FMU with start values.
-
-    Attributes
-    ----------
-    name
-        Letters, digits, _ and -.
-    fmu
-        The FMU, FMI 2.0.
-    values
-        Parameter -> start value, in the FMU's unit. An FMU of this project starts from these values in every
-        master: the package holds a copy with them. Those of another FMU are a parameter set of the package
-        alone, which FMPy's `simulate_ssp` does not read.
-    """
-
-    name: str
-    fmu: Path
-    values: Mapping[str, Value]
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "fmu", Path(self.fmu))
-
-    @cached_property
-    def members(self) -> Mapping[str, bytes] | None:
-        """Of the FMU that starts from `values`; None where the FMU in `fmu` is packed as it is."""
-        from dualcam.export.changed import is_own, restarted
-
-        before = read_members(self.fmu) if self.values else {}
-        after = restarted(before, self.values) if is_own(before) else before
-        return None if after is before else after
-
-    @property
-    def resource(self) -> str:
-        """The file of the FMU below resources."""
-        return self.fmu.name if self.members is None else f"{self.name}.fmu"
-
-    def content(self) -> bytes:
-        """The FMU's file in the package."""
-        return self.fmu.read_bytes() if self.members is None else archive_bytes(self.members)
-
-    @cached_property
-    def description(self) -> ET.Element:
-        """The FMU's modelDescription.xml."""
-        with zipfile.ZipFile(self.fmu) as archive:
-            return ET.fromstring(archive.read("modelDescription.xml"))
-
-    @cached_property
-    def variables(self) -> dict[str, tuple[str, ET.Element]]:
-        """Causality and type by name."""
-        rows = self.description.iter("ScalarVariable")
-        return {row.attrib["name"]: (row.attrib["causality"], row[0]) for row in rows}
-
-    @cached_property
-    def units(self) -> dict[str, dict[str, str]]:
-        """Exponents of the base units by unit."""
-        return {u.attrib["name"]: dict(u[0].attrib) for u in self.description.iter("Unit")}
-
-
-@dataclass(frozen=True)
-class System:
+class System(SystemStructure):
     """Components and their connections.
 
     Attributes
@@ -143,14 +82,6 @@ class System:
     ports
         Inputs and outputs, as "component.variable", that are connectors of the system itself.
     """
-
-    name: str
-    text: str
-    components: tuple[Component, ...]
-    connections: tuple[tuple[str, str], ...]
-    step: float
-    duration: float
-    ports: tuple[str, ...] = ()
 
     def save(self, path: str | Path) -> Path:
         """Write the package; equal systems give equal bytes.
@@ -170,8 +101,6 @@ class System:
         DesignError
             Wrong names, start values, connections, ports, times, or FMUs: all problems at once.
         """
-        from dualcam.export.system_check import check_system
-
         check_system(self)
         path = Path(path)
         members = {"SystemStructure.ssd": document(structure(self))}
@@ -202,17 +131,17 @@ def add_connector(connectors: ET.Element, component: Component, name: str) -> di
     return {used: component.units[used] for used in unit.values()}
 
 
-def component_of(system: System, end: str) -> Component:
+def component_of(system: SystemStructure, end: str) -> Component:
     """The component of `end`, "component.variable"."""
     return next(component for component in system.components if component.name == split(end)[0])
 
 
-def causality_of(system: System, end: str) -> str:
+def causality_of(system: SystemStructure, end: str) -> str:
     """Causality of the variable `end`, "component.variable"."""
     return component_of(system, end).variables[split(end)[1]][0]
 
 
-def add_ports(content: ET.Element, system: System, units: dict[str, dict[str, str]]) -> None:
+def add_ports(content: ET.Element, system: SystemStructure, units: dict[str, dict[str, str]]) -> None:
     """The connectors of the system itself; their units go to `units`."""
     if not system.ports:
         return
@@ -221,7 +150,7 @@ def add_ports(content: ET.Element, system: System, units: dict[str, dict[str, st
         units |= add_connector(connectors, component_of(system, port), split(port)[1])
 
 
-def structure(system: System) -> ET.Element:
+def structure(system: SystemStructure) -> ET.Element:
     """SystemStructure.ssd."""
     root = ET.Element(tag("ssd:SystemStructureDescription"), name=system.name, version="1.0")
     content = add(root, "ssd:System", name=system.name, description=system.text)
@@ -266,7 +195,7 @@ def add_master_of_openmodelica(content: ET.Element, step: float) -> None:
     add(information, "oms:FixedStepMaster", description="oms-ma", stepSize=repr(step), **tolerances)
 
 
-def add_connections(content: ET.Element, system: System) -> None:
+def add_connections(content: ET.Element, system: SystemStructure) -> None:
     """The connections between components, and those of the system's own connectors."""
     connections = add(content, "ssd:Connections")
     for output, reader in system.connections:
@@ -359,7 +288,7 @@ def export_ssp(design: DesignSource, path: str | Path, step: float = 1e-3, *, po
     """
     from dualcam.common.arrays import number_of
     from dualcam.design_file import as_design
-    from dualcam.export import export_fmu
+    from dualcam.export.exporter import export_fmu
     from dualcam.fmi.fmu import STEP_SIZES
 
     design, path = as_design(design), path_of(path, "the package")
@@ -372,6 +301,3 @@ def export_ssp(design: DesignSource, path: str | Path, step: float = 1e-3, *, po
     with tempfile.TemporaryDirectory() as folder:
         fmu = export_fmu(design, Path(folder) / f"{path.stem}.fmu")
         return design_system(design, fmu, step, ports).save(path)
-
-
-explain_call_of(__name__)
