@@ -1,4 +1,4 @@
-#include "contact/taylor.h"
+#include "outputs/taylor.h"
 
 #include "elementary/elementary.h"
 #include "platform/attributes.h"
