@@ -56,11 +56,12 @@ static double linear_size_by_angle(const Mechanism *m, const LinearSlipMode *lin
 }
 
 /* In grooves of any shape: */
-static double size_by_angle(const Mechanism *m, const SlipMode *slip, const Balance *now, int i) {
+static void sizes_by_angle(const Mechanism *m, const SlipMode *slip, const Balance *now, double size[2]) {
     BalanceChange by_angle = {.theta = 1.0};
     if (slip->regime == REGIME_INERTIAL) by_angle.alpha = now->rhs.by_theta;
     else if (slip->regime == REGIME_VISCOUS) by_angle.omega = now->rhs.by_theta;
-    return CANDIDATE_ANGLE_ROUNDING * largest_angle(&m->params) * fabs(balance_contact_change(slip, now, i, &by_angle));
+    balance_contact_changes(slip, now, &by_angle, size);
+    for (int i = 0; i < 2; i++) size[i] = CANDIDATE_ANGLE_ROUNDING * largest_angle(&m->params) * fabs(size[i]);
 }
 
 static Candidate closed_form_candidate(const Mechanism *m, const LinearSlipMode *linear) {
@@ -116,10 +117,12 @@ static Candidate general_candidate(const Mechanism *m, int index) {
         .axial = {now.axial[0], now.axial[1]},
     };
     if (!has_friction(&m->params)) return c;
+    double by_angle[2];
     balance_contact_sizes(&slip, &now, c.size);
+    sizes_by_angle(m, &slip, &now, by_angle);
     for (int i = 0; i < 2; i++) {
         c.x[i] = now.x[i];
-        c.size[i] = CANDIDATE_COARSE * c.size[i] + size_by_angle(m, &slip, &now, i);
+        c.size[i] = CANDIDATE_COARSE * c.size[i] + by_angle[i];
     }
     c.possible = isfinite(c.x[0]) && isfinite(c.x[1]);
     return c;
