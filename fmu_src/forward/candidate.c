@@ -26,6 +26,12 @@ const LinearSlipMode *linear_slip_of(const Mechanism *m, int index, LinearSlipMo
     return storage;
 }
 
+const LinearSlipMode *kept_linear_slip(Mechanism *m, int index) {
+    LinearSlipMode *kept = &m->model.linear_slip[index];
+    if (linear_slip_of(m, index, kept) == kept) m->model.linear_slips |= 1u << index;
+    return kept;
+}
+
 SlipMode slip_mode_from_here(const Mechanism *m, int index) {
     int flank[2];
     slip_flanks(index, flank);
@@ -112,7 +118,6 @@ static Candidate general_candidate(const Mechanism *m, int index) {
         .motion = now.rhs.value,
         .net = now.rhs.net,
         .rounding = rate_independent ? edge_rounding(m, slip.direction) : CANDIDATE_ROUNDING * now.rhs.size,
-        .still = CANDIDATE_ROUNDING * now.rhs.size,
         .stiffness = now.rhs.by_theta,
         .axial = {now.axial[0], now.axial[1]},
     };
@@ -128,11 +133,8 @@ static Candidate general_candidate(const Mechanism *m, int index) {
     return c;
 }
 
-Candidate candidate_building(const Mechanism *m, int index, LinearSlipMode *built) {
-    return is_closed_form(m) ? closed_form_candidate(m, linear_slip_of(m, index, built)) : general_candidate(m, index);
-}
-
 Candidate candidate_of(const Mechanism *m, int index) {
     LinearSlipMode storage;
-    return candidate_building(m, index, &storage);
+    return is_closed_form(m) ? closed_form_candidate(m, linear_slip_of(m, index, &storage))
+                             : general_candidate(m, index);
 }
