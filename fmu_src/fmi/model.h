@@ -24,8 +24,8 @@ enum { MAX_OUTPUT_ORDER = 2 }; /* highest time derivative of an output */
 #endif
 
 #if MODEL_BUILT == MODEL_FORWARD
-#include "forward/ode.h"
-#include "forward/state.h"
+#include "outputs/ode.h"
+#include "outputs/outputs.h"
 typedef Mechanism FmuModel;
 typedef Inputs ModelInputs;
 typedef State ModelState;

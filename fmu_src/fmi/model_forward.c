@@ -5,7 +5,7 @@
 #include "fmi/variables.h"
 #include "forward/configuration.h"
 #include "forward/lifecycle.h"
-#include "forward/outputs.h"
+#include "outputs/outputs.h"
 #include "forward/step.h"
 #include "sensitivity/sensitivity.h"
 #include "sensitivity/step_sensitivity.h"

@@ -40,11 +40,10 @@ static double speed_at_end(const Mechanism *m, const SlipMode *slip, double thet
     return balance_rhs(&here, theta, 0.0, t).value;
 }
 
-/* The segment along a Radau step to its end, with `left` seconds left. False if a value is not finite. A segment below the
- * rounding of the time raises no peak: it has the reactions of the next one. */
-static bool radau_segment(Mechanism *m, const SlipMode *slip, double left, EventLocation *location, Segment *segment) {
+/* The segment along a Radau step to its end, with `left` seconds left. A segment below the rounding of the time raises no
+ * peak: it has the reactions of the next one. */
+static void radau_segment(Mechanism *m, const SlipMode *slip, double left, EventLocation *location, Segment *segment) {
     const RadauStep *step = &location->step;
-    if (!booking_is_in_range(&step->booking, step->dtheta + radau_step_end(step)->omega)) return false;
     segment_begin(m, SEGMENT_RADAU, segment);
     segment->books = true;
     segment->booking = step->booking;
@@ -61,7 +60,6 @@ static bool radau_segment(Mechanism *m, const SlipMode *slip, double left, Event
     segment->ends_at_breakpoint = location->aimed_at_breakpoint;
     segment->location = location;
     m->cache.proposal = location->next;
-    return true;
 }
 
 /* At breakaway under inputs that are polynomials the torque is on the edge of the band, or short of the edge by
@@ -69,7 +67,7 @@ static bool radau_segment(Mechanism *m, const SlipMode *slip, double left, Event
  * of the torques, the motion is rest to all digits, and no step can resolve the motion. Returns the duration of this
  * rest, at least a rounding of `left` seconds; 0 where the torque exceeds the edge or the mechanism moves. */
 static double unseen_time(const Mechanism *m, const SlipMode *slip, const Balance *start, double left) {
-    if (slip->regime == REGIME_RATE_INDEPENDENT || (slip->regime == REGIME_INERTIAL && start->omega != 0.0)) return 0.0;
+    if (slip->regime == REGIME_INERTIAL && start->omega != 0.0) return 0.0;
     Partials by;
     balance_partials(slip, start, &by);
     const double lever = by.by[KNOWN_F_EXT] / by.by[KNOWN_TAU]; /* minus the torque per load that holds the load */
@@ -99,17 +97,14 @@ static SlipProposal propose_along(Mechanism *m, const SlipMode *slip, const Bala
     }
     const bool found = event_location_find(slip, start, &stop, left, &m->cache.proposal, location);
     if (slip->regime == REGIME_RATE_INDEPENDENT && (!found || jump_is_at_fold(slip, location, left))) {
-        const JumpProposal jump = jump_past_fold(m, slip, start, left, segment);
-        if (jump != JUMP_NONE) return jump == JUMP_PROPOSED ? SLIP_PROPOSED : SLIP_NOT_FINITE;
-        if (!found) {
-            rest_propose(m, left, segment);
-            return SLIP_PROPOSED;
-        }
+        if (jump_past_fold(m, slip, start, left, segment)) return SLIP_PROPOSED;
+        if (!found) rest_propose(m, left, segment);
+    } else if (!found) {
+        const double unseen = unseen_time(m, slip, start, left);
+        if (!(unseen > 0.0)) return SLIP_LOST;
+        rest_propose_for(m, min_of(left, unseen), segment);
     }
-    if (found) return radau_segment(m, slip, left, location, segment) ? SLIP_PROPOSED : SLIP_NOT_FINITE;
-    const double unseen = unseen_time(m, slip, start, left);
-    if (!(unseen > 0.0)) return SLIP_LOST;
-    rest_propose_for(m, min_of(left, unseen), segment);
+    if (found) radau_segment(m, slip, left, location, segment);
     return SLIP_PROPOSED;
 }
 

@@ -9,8 +9,8 @@
 #ifndef DUALCAM_BAND_EDGE_H
 #define DUALCAM_BAND_EDGE_H
 
-#include "contact/contact_statics.h"
 #include "geometry/transmission.h"
+#include "inverse/contact_statics.h"
 #include "model/params.h"
 
 typedef struct {

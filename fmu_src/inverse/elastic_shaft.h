@@ -10,7 +10,7 @@
 #ifndef DUALCAM_ELASTIC_SHAFT_H
 #define DUALCAM_ELASTIC_SHAFT_H
 
-#include "contact/contact_statics.h"
+#include "inverse/contact_statics.h"
 #include "inverse/elastic_cam.h"
 #include "inverse/inverse_state.h"
 

@@ -2,7 +2,7 @@
 #ifndef DUALCAM_RIGID_SHAFT_H
 #define DUALCAM_RIGID_SHAFT_H
 
-#include "contact/contact_statics.h"
+#include "inverse/contact_statics.h"
 #include "inverse/inverse_state.h"
 #include "model/fault.h"
 

@@ -163,8 +163,8 @@ static bool cover(Quadrature *s, const Scale *whole, double from, double to, int
         find_change(s, panel.x[change - 1], panel.x[change], panel.sample[change - 1].branch, &before, &after);
         return cover_both(s, scale, from, before, after, to, depth);
     }
-    const double allowed =
-        max_of(s->tolerance * max_of(size, QUADRATURE_NEGLIGIBLE * scale->size), QUADRATURE_ROUNDING * size);
+    const double allowed = s->rounding + max_of(s->tolerance * max_of(size, QUADRATURE_NEGLIGIBLE * scale->size),
+                                                QUADRATURE_ROUNDING * size);
     if (error > allowed && !spent) {
         const double middle = 0.5 * (from + to);
         return cover_both(s, scale, from, middle, middle, to, depth);

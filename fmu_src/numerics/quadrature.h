@@ -24,6 +24,7 @@ typedef struct {
     Integrand *integrand;
     const void *scene;
     double tolerance;         /* relative to the sum of the magnitudes of all rates */
+    double rounding;          /* J: an error that counts as none */
     double total[RATE_COUNT]; /* J, the integrals are added */
     double peak[SIZE_COUNT];  /* raised to the peaks found */
     double bad;               /* a point where no formula holds, if quadrature_over() has returned false */

@@ -409,19 +409,9 @@ static const double SOLVER_OVERSHOOT = 0.05;
 static const double PLAY_FIRST_SAMPLE = 1e-6;
 enum { PLAY_SAMPLES = 32 };
 
-/* Play operator: two rules of order 13 that agree to the tolerance are more exact than their difference. The rounding
- * is that of the energies, as a share of their sum. */
+/* Play operator: two rules that agree to the tolerance are more exact than their difference. The rounding is that of the
+ * energies. */
 static const double PLAY_SHARE_OF_TOLERANCE = 0.1, PLAY_ROUNDING = 64.0 * DBL_EPSILON;
-
-/* Play operator: a sampled reaction below this share of the largest reaction so far is not searched for a peak. */
-static const double PLAY_NEAR_PEAK = 0.99;
-
-/* Play operator: parts of an interval at whose ends the reactions are sampled. Beside the largest sample, golden
- * section finds the peak to 4e-9 of its interval, and the value to rounding. */
-enum { PLAY_PEAK_PARTS = 4, PLAY_GOLDEN_STEPS = 40 };
-
-/* Play operator: bounds of the work of one jump. 53 bisections of an interval reach two neighbouring numbers. */
-enum { PLAY_MAX_DEPTH = 30, PLAY_MAX_HALVINGS = 5000, PLAY_MAX_BISECTIONS = 200, PLAY_KINK_BISECTIONS = 100 };
 
 /* Self-locking contacts can wedge and let go again at once (P. Painleve, 1895). */
 enum { MAX_WEDGES_PER_STEP = 1000 };

@@ -145,18 +145,17 @@ static void find_delay_at_flank(const SlipMode *slip, const Balance *b, Carried 
     const RightHandSide *p = &b->rhs;
     Partials by;
     balance_response(slip, b, &by);
-    const BalanceChange along = {.theta = b->omega,
-                                 .omega = b->alpha,
-                                 .alpha = p->by_time + p->by_theta * b->omega + p->by_omega * b->alpha,
-                                 .axial = slip->inputs->F_ext[1]};
-    const double rate = balance_contact_change(slip, b, i, &along);
+    BalanceRates along;
+    balance_rates(slip, b, 0.0, &along);
     for (int known = v->x.first; known < v->x.end; known++) {
         BalanceChange change = balance_change_by(slip, b, (Known)known);
         change.theta = v->x.theta[known];
         change.omega = v->x.omega[known];
         change.alpha = p->by_theta * change.theta + p->by_omega * change.omega;
         if (known >= KNOWN_TAU) change.alpha += by.by[known];
-        v->delay[known] = finite_or_zero(-balance_contact_change(slip, b, i, &change) / rate);
+        double of_x[2];
+        balance_contact_changes(slip, b, &change, of_x);
+        v->delay[known] = finite_or_zero(-of_x[i] / along.contact[i]);
     }
 }
 
