@@ -188,7 +188,8 @@ fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReferenc
 fmi2Status fmi2DoStep(fmi2Component c, fmi2Real currentCommunicationPoint, fmi2Real communicationStepSize,
                       fmi2Boolean noSetFMUStatePriorToCurrentPoint) {
     (void)noSetFMUStatePriorToCurrentPoint;
-    return status_of(simulation_step(c, __func__, currentCommunicationPoint, communicationStepSize));
+    StepEnd end;
+    return status_of(simulation_step(c, __func__, currentCommunicationPoint, communicationStepSize, NULL, &end));
 }
 
 /* fmi2DoStep returns when the step is done, so no step is ever pending. */

@@ -172,8 +172,8 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 currentCommunicationPoi
         !instance_has_pointer(me, __func__, terminateSimulation, "terminateSimulation") ||
         !instance_has_pointer(me, __func__, earlyReturn, "earlyReturn") ||
         !instance_has_pointer(me, __func__, lastSuccessfulTime, "lastSuccessfulTime") ||
-        !simulation_step_with_updates(me, __func__, currentCommunicationPoint, communicationStepSize,
-                                      me->intermediate.callback != NULL ? intermediate_update : NULL, &end))
+        !simulation_step(me, __func__, currentCommunicationPoint, communicationStepSize,
+                         me->intermediate.callback != NULL ? intermediate_update : NULL, &end))
         return fmi3Error;
     *eventHandlingNeeded = end.event;
     *terminateSimulation = fmi3False;
