@@ -136,13 +136,6 @@ static bool turns_at_stop(const SlipMode *slip, const StopAhead *stop, const Rad
     return beyond <= angle_tolerance(p) && kinetic <= LOCATION_STOP_GAIN * gained;
 }
 
-/* A step with a turn at the stop ends beyond the stop no farther than that. In a slow motion the speed is as small, and
- * the acceleration is rounding: such a motion goes on beyond the stop. */
-static bool ends_at_stop(const SegmentLimits *limits, const RadauStep *step) {
-    const Params *p = limits->slip->params;
-    return step_indicator_at_end(limits, STEP_TO_STOP, step) >= -angle_tolerance(p);
-}
-
 /* Which reactions pass zero at the end of the step? Without a moment W both are in proportion to the axial load, and pass zero
  * with it; else the one that was located. */
 static void note_crossing(const SegmentLimits *limits, StepIndicator indicator, EventLocation *location) {
@@ -160,19 +153,6 @@ static void note_crossing(const SegmentLimits *limits, StepIndicator indicator, 
 
 static bool must_step_past(const SegmentLimits *limits, StepIndicator indicator) {
     return step_indicator_is_flank(indicator) || (indicator == STEP_SPEED && limits->slip->regime != REGIME_INERTIAL);
-}
-
-/* In a stiff step the loads on the contacts are those of the acceleration, and an error of the speed changes the
- * acceleration by the damping over the inertia: a crossing of a load then shifts in time by far more than the speed
- * errs. In a step that is not stiff the speed has the digits. So a stiff step ends before the change of flanks. */
-static void approach_flank(const SegmentLimits *limits, EventLocation *location) {
-    const RadauStep landed = location->step;
-    if (limits->slip->regime != REGIME_INERTIAL || location->kind != EVENT_FLANK) return;
-    if (!(landed.h * fabs(radau_step_end(&landed)->rhs.by_omega) > LOCATION_STIFF)) return;
-    const double h = LOCATION_APPROACH * landed.h;
-    if (radau_step_solve(limits->slip, &landed.start, h, landed.method->stages, &location->step))
-        location->kind = EVENT_NONE;
-    else location->step = landed;
 }
 
 /* Ends the step on the first event in it, if there is one. An event found on the polynomial may prove to be later than
@@ -193,8 +173,7 @@ static bool end_on_first_event(const SegmentLimits *limits, const StopAhead *sto
         if (result == CROSSING_REACHED && must_step_past(limits, first)) step_past_zero(limits, first, step);
         *solved = step->h;
         if (result == CROSSING_BLOCKED) return false;
-        const bool turns =
-            first == STEP_TO_STOP && turns_at_stop(limits->slip, stop, step) && ends_at_stop(limits, &before);
+        const bool turns = first == STEP_TO_STOP && turns_at_stop(limits->slip, stop, step);
         if (result == CROSSING_REACHED && !turns) {
             location->kind = step_indicator_event(first);
             location->crossed[0] = location->crossed[1] = false;
@@ -205,7 +184,6 @@ static bool end_on_first_event(const SegmentLimits *limits, const StopAhead *sto
         }
         ignored |= 1u << first;
     }
-    approach_flank(limits, location);
     return true;
 }
 

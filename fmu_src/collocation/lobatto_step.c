@@ -43,7 +43,7 @@ static bool stays_on_patch(const LobattoSystem *s, int i) {
     const double from = fabs(load.at[0]), ends[2] = {fabs(signed_range.low), fabs(signed_range.high)};
     const LobattoRange range = {min_of(ends[0], ends[1]), max_of(ends[0], ends[1])};
     const KnotCell cell =
-        friction_table_cell(table->load, table->loads, friction_table_find(table->load, 0, table->loads + 1, from));
+        friction_table_cell(table->load, table->loads, curve_interval(table->load, 1, table->loads + 1, from));
     const bool up = range.high - from > from - range.low;
     const KnotSteps step = knot_steps(&cell, &cell, s->slip->law[i].fall.overshoot, (Vector2){from, from}, up);
     const double ahead = up ? range.high - from : from - range.low, back = up ? from - range.low : range.high - from;

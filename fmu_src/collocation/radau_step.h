@@ -1,10 +1,7 @@
 /* One step of the motion in one slip mode: Radau IIA collocation with 3, 5 or 7 stages, and its error.
  *
- * Room collocation: motion in one slip mode by numerical integration, in grooves of any shape, and the events that end
- * the mode. May include platform, numerics, model, geometry and contact.
- *
  * With inertia or damping the step solves the equations of radau_system.h. In the rate-independent regime it follows
- * the edge of the stick band, radau_edge.h. In each case the motion over the step is a polynomial in time. Events are
+ * the edge of the stick band. In each case the motion over the step is a polynomial in time. Events are
  * located on this polynomial. The integrals of work and heat are taken at its nodes, with order 2s - 1 as well.
  *
  * Error estimate: the polynomial through the nodes misses the derivative at the start by a defect d_0. Between the

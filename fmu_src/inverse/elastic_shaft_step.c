@@ -11,7 +11,7 @@
 
 typedef struct {
     ElasticCam cam;
-    Quadrature quadrature, sliding;
+    Quadrature quadrature;
     InverseState *next; /* theta, mode, events and direction go along with cam 2 */
 } ElasticStep;
 
@@ -94,10 +94,8 @@ bool elastic_shaft_advance(const Inverse *m, const ImposedMotion *motion, double
                            Fault *fault) {
     const double shaft_before = shaft_energy(m, next->theta, next->cam);
     ElasticStep step = {.next = next, .quadrature = step_booking_begin(m, &next->ledger)};
-    step.sliding = step.quadrature;
     step.cam = (ElasticCam){.m = m, .x = next->cam, .work = m->work};
     if (m->params.ledger) step.cam.quadrature = &step.quadrature;
-    if (has_wear(&m->params)) step.cam.sliding = &step.sliding;
     if (!follow_motion(&step, motion)) {
         snprintf(fault->text, sizeof fault->text,
                  "theta = %s: cam 2 cannot pass the angle %s rad, where the contacts wedge; allowed is motion that "
@@ -110,8 +108,7 @@ bool elastic_shaft_advance(const Inverse *m, const ImposedMotion *motion, double
     next->cam = step.cam.x;
     next->omega = omega;
     if (m->params.ledger)
-        step_booking_finish(m, &step.quadrature, &step.sliding, shaft_energy(m, next->theta, next->cam) - shaft_before,
-                            &next->ledger);
+        step_booking_finish(m, &step.quadrature, shaft_energy(m, next->theta, next->cam) - shaft_before, &next->ledger);
     ElasticShaftState end;
     elastic_shaft_state(&step.cam, next->theta, omega, &end);
     enter_mode(next, end.mode);

@@ -23,7 +23,7 @@ typedef struct {
 typedef struct {
     MotionPart part;
     InverseState *next;
-    Quadrature quadrature, sliding; /* work and heat; what wear is in proportion to */
+    Quadrature quadrature;
     Fault *fault;
 } RigidStep;
 
@@ -59,28 +59,16 @@ static void motion_integrand(const void *scene, double s, QuadratureSample *out)
     out->rate[RATE_HEAT_SHAFT] = p->shaft.damping * at.omega * dtheta_ds;
     out->size[SIZE_TORQUE] = fabs(required.tau);
     out->size[SIZE_OMEGA] = fabs(at.omega);
-    for (int i = 0; i < 2; i++)
+    for (int i = 0; i < 2; i++) {
         out->size[SIZE_REACTION1 + i] = fabs(required.forces.x[i]) * cam_length(g, i) / p->contacts;
-}
-
-/* Reaction times sliding distance per unit of s. */
-static void sliding_integrand(const void *scene, double s, QuadratureSample *out) {
-    const MotionPart *part = scene;
-    const OperatingPoint at = operating_point_on(part, s);
-    RequiredTorque required;
-    const Params *p = &part->m->params;
-    *out = (QuadratureSample){.branch = -1};
-    work_add(part->m->work, 1);
-    if (work_is_spent(part->m->work) || !rigid_shaft_required_torque(p, part->piece, &at, &required)) return;
-    const double dtheta_ds = fabs(bernstein_value(&part->motion->dtheta_ds, s));
-    out->branch = flank_branch(required.forces.flank);
-    for (int i = 0; i < 2; i++)
-        out->rate[RATE_HEAT_CAM1 + i] = contact_statics_sliding(&required.statics, &required.forces, i) * dtheta_ds;
+        if (has_wear(p))
+            out->rate[RATE_SLIDING1 + i] =
+                contact_statics_sliding(&required.statics, &required.forces, i) * fabs(dtheta_ds);
+    }
 }
 
 static bool integrate(RigidStep *step, double a, double b) {
-    const bool wears = has_wear(&step->part.m->params);
-    if (quadrature_over(&step->quadrature, a, b) && (!wears || quadrature_over(&step->sliding, a, b))) return true;
+    if (quadrature_over(&step->quadrature, a, b)) return true;
     const OperatingPoint at = operating_point_on(&step->part, step->quadrature.bad);
     rigid_shaft_describe_wedge(step->fault, &at);
     return false;
@@ -245,11 +233,8 @@ bool rigid_shaft_advance(const Inverse *m, const ImposedMotion *motion, double o
     step.quadrature = step_booking_begin(m, &next->ledger);
     step.quadrature.integrand = motion_integrand;
     step.quadrature.scene = &step.part;
-    step.sliding = step_booking_begin(m, &next->ledger);
-    step.sliding.integrand = sliding_integrand;
-    step.sliding.scene = &step.part;
     if (!go_to_begin_of_motion(&step) || !follow_motion(&step)) return false;
-    if (m->params.ledger) step_booking_finish(m, &step.quadrature, &step.sliding, 0.0, &next->ledger);
+    if (m->params.ledger) step_booking_finish(m, &step.quadrature, 0.0, &next->ledger);
     else next->ledger = before;
     next->theta = motion->theta.c[motion->theta.degree];
     next->cam = next->theta;

@@ -20,6 +20,7 @@
 
 #include "elementary/vector2.h"
 #include "model/params.h"
+#include "model/sampled_curve.h"
 #include "numerics/jet.h"
 #include "numerics/tolerances.h"
 #include "platform/attributes.h"
@@ -75,16 +76,6 @@ typedef struct {
     double by_load;  /* 1/N, dmu/dN */
 } FrictionCoefficient;
 
-/* The greatest index k of low, ..., low + count - 1 with knot[k] <= x; low for smaller x. */
-static inline size_t friction_table_find(const double *knot, size_t low, size_t count, double x) {
-    while (count > 1) { /* at most 64 turns: `count` halves */
-        const size_t half = count / 2;
-        low = x >= knot[low + half] ? low + half : low; /* without a branch: the processor cannot predict the branch */
-        count -= half;
-    }
-    return low;
-}
-
 static inline int64_t friction_table_octave(double v) {
     int64_t bits;
     memcpy(&bits, &v, sizeof bits);
@@ -96,7 +87,7 @@ static inline size_t friction_table_sample(const FrictionTable *table, double v)
     const uint64_t n = (uint64_t)(friction_table_octave(v) - table->octave);
     const bool is_in_bucket = n < FRICTION_BUCKETS; /* else slower than the first bucket, or beyond the last sample */
     const size_t low = is_in_bucket ? table->bucket[n] : 0, high = is_in_bucket ? table->bucket[n + 1] : table->count;
-    return friction_table_find(table->speed, low, high - low + 1, v);
+    return low + curve_interval(table->speed + low, 1, high - low + 1, v);
 }
 
 /* The piece at the speed v; at the middle one of the loads. */
@@ -106,7 +97,7 @@ static inline const FrictionPiece *friction_table_piece(const FrictionTable *tab
 
 /* The span of the load N, which lasts to the next load; beyond the loads the first or the last one. */
 static inline size_t friction_table_span(const FrictionTable *table, double N) {
-    return friction_table_find(table->load + 1, 0, table->loads - 1, N);
+    return curve_interval(table->load + 1, 1, table->loads - 1, N);
 }
 
 static inline const FrictionPatch *friction_table_patch(const FrictionTable *table, const FrictionPiece *piece,
