@@ -52,7 +52,7 @@ static double find_root(const LinearIndicator *indicator, RootOrder order, const
     const double f_left = derivatives_of(indicator, a, order).f;
     const double decayed = order == OF_VALUE ? 0.0 : LINEAR_DECAYED_RATE * fabs(f_left);
     double left = a->t, t = first_guess(indicator, order, a, right), width = right - left;
-    for (int n = 0; n < LINEAR_ROOT_ITERATIONS; n++) {
+    for (int n = 0; n < ROOT_MAX_ITERATIONS; n++) {
         const IndicatorSample k = linear_indicator_at(indicator, t);
         const Derivatives f = derivatives_of(indicator, &k, order);
         if (f.f == 0.0 && order == OF_VALUE) return t;

@@ -130,7 +130,7 @@ static bool turns_at_stop(const SlipMode *slip, const StopAhead *stop, const Rad
     const double braking = -slip->direction * end->alpha - doubt;
     if (!(braking > 0.0)) return false;
     const double beyond = end->omega * end->omega / (2.0 * braking); /* rad */
-    if (beyond <= LOCATION_STOP_ROUNDING * largest_angle(p)) return true;
+    if (beyond <= ANGLE_ROUNDING * largest_angle(p)) return true;
     const double kinetic = kinetic_energy_of(&p->inertia, end->dz_dtheta, end->dpsi_dtheta[0], end->omega);
     const double gained = stop->energy_gained + step->energy_gained;
     return beyond <= angle_tolerance(p) && kinetic <= LOCATION_STOP_GAIN * gained;

@@ -23,13 +23,13 @@ typedef struct {
 typedef struct {
     double h;              /* s, length */
     double dtheta, domega; /* rad, rad/s: increments; domega only with inertia */
-    double omega, tau;     /* rad/s, N.m, at the end */
+    double omega;          /* rad/s, at the end */
     bool accurate; /* four nodes suffice. Set for a rejected step too, if the step got as far as the error estimate */
     Booking booking;
     double energy_gained; /* J, see step_energy.h */
     /* Only if a ledger is kept: */
-    double peak_omega, peak_reaction[2]; /* rad/s, N per pin end: the larger value of both ends */
-    bool peaks_inside;                   /* a larger value inside the step, above the known one, is possible */
+    Peaks peak;        /* the larger values of both ends */
+    bool peaks_inside; /* a larger value inside the step, above the known one, is possible */
 } LobattoStep;
 
 /* A step of `left` seconds, or to the breakpoint of the transmission ahead. False if the step is rejected. Not for the

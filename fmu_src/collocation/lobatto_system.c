@@ -450,7 +450,7 @@ ALWAYS_INLINE static inline void guess_step(LobattoSystem *s, const EndAngle *en
 ALWAYS_INLINE static inline bool solve_with(LobattoSystem *s, const EndAngle *end, bool varies) {
     const SlipMode *slip = s->slip;
     const double per_y = varies || lobatto_system_is_inertial(s) ? s->h : 1.0;
-    const double share = LOBATTO_SWEEP_SHARE * slip->params->tolerance, speed = fabs(s->omega);
+    const double share = ITERATION_SHARE * slip->params->tolerance, speed = fabs(s->omega);
     double before = INFINITY, missed = 0.0;
     if (varies) {
         if (slip->inputs_are_constant) find_inputs(s);
@@ -467,7 +467,7 @@ ALWAYS_INLINE static inline bool solve_with(LobattoSystem *s, const EndAngle *en
         /* Where the motion slows down, friction needs the lower speed to the same share. */
         const double end_speed = fabs(s->speed.at[LOBATTO_END]);
         const double slowed = varies && end_speed < speed ? end_speed : speed;
-        const double allowed = varies ? LOBATTO_LAST_SHARE / LOBATTO_SWEEP_SHARE * share : share;
+        const double allowed = varies ? LOBATTO_LAST_SHARE / ITERATION_SHARE * share : share;
         bool converged = (varies || n > 0) && lobatto_largest(lobatto_range(&next)) <= allowed * slowed / per_y;
         for (int k = 0; k < LOBATTO_HALVES && (varies || !converged); k++) s->y.half[k] += next.half[k];
         place_nodes(s, varies);
@@ -481,7 +481,7 @@ ALWAYS_INLINE static inline bool solve_with(LobattoSystem *s, const EndAngle *en
         }
         if (varies && n == 0 && !lobatto_is_accurate(s, LOBATTO_FAR_OFF)) return false;
         if (n > 0 && !(size <= LOBATTO_CONTRACTION * before)) {
-            const double rounding = LOBATTO_ROUNDING * lobatto_largest(lobatto_range(&s->y));
+            const double rounding = CORRECTION_ROUNDING * lobatto_largest(lobatto_range(&s->y));
             return at_end && size <= rounding && is_possible(s, varies);
         }
         before = size;

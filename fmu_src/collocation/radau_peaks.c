@@ -29,7 +29,7 @@ static double value_after(const SlipMode *slip, const RadauStep *step, PeakQuant
     return fabs(value_of(radau_step_end(&part), quantity));
 }
 
-/* The largest |value| in the step. Where the polynomial has its peak inside, a step that ends at the peak is solved:
+/* The largest |value| in the step; below `known` the larger one of both ends will do. Where the polynomial has its peak inside, a step that ends at the peak is solved:
  * the end of a step is more exact than the polynomial inside. */
 static double peak_of(const SlipMode *slip, const RadauStep *step, PeakQuantity quantity, double known) {
     const Radau *r = step->method;
@@ -54,11 +54,15 @@ static bool is_speed_monotone(const RadauStep *step) {
     return max_of(v.low, -v.high) > BEYOND_NODES * (v.high - v.low);
 }
 
-RadauPeaks radau_step_peaks(const SlipMode *slip, const RadauStep *step, const RadauPeaks *known) {
-    const double at_ends = max_of(fabs(step->start.omega), fabs(radau_step_end(step)->omega));
-    return (RadauPeaks){
-        .omega = is_speed_monotone(step) ? at_ends : peak_of(slip, step, PEAK_SPEED, known->omega),
-        .reaction = {peak_of(slip, step, PEAK_REACTION_1, known->reaction[0]),
-                     peak_of(slip, step, PEAK_REACTION_2, known->reaction[1])},
-    };
+void radau_step_raise_peaks(const SlipMode *slip, const RadauStep *step, Peaks *peak) {
+    const Balance *start = &step->start, *end = radau_step_end(step);
+    const int contacts = slip->params->contacts;
+    peak_raise(&peak->omega, is_speed_monotone(step) ? max_of(fabs(start->omega), fabs(end->omega))
+                                                     : peak_of(slip, step, PEAK_SPEED, peak->omega));
+    peak_raise(&peak->torque, start->tau);
+    peak_raise(&peak->torque, end->tau);
+    for (int i = 0; i < 2; i++) {
+        const PeakQuantity quantity = i == 0 ? PEAK_REACTION_1 : PEAK_REACTION_2;
+        peak_raise(&peak->reaction[i], peak_of(slip, step, quantity, peak->reaction[i] * contacts) / contacts);
+    }
 }

@@ -90,7 +90,7 @@ static double error_of_defect(const RadauSystem *s, const RadauStep *step, doubl
     const bool departs = s->slip->regime == REGIME_INERTIAL && size.growth > 1.0;
     const double damped = departs ? h * defect : h * defect / (1.0 + stiff);
     const double speed = departs ? size.change : size.speed;
-    const double rounding = RADAU_ANGLE_ROUNDING * fabs(s->start->theta);
+    const double rounding = ANGLE_ROUNDING * fabs(s->start->theta);
     double by_speed = 0.0, by_angle = damped * r->defect_once;
     if (s->slip->regime == REGIME_INERTIAL) {
         by_speed = speed > 0.0 ? damped * r->defect_once / speed : 0.0;
@@ -159,7 +159,7 @@ static bool follow_edge(RadauSystem *s, RadauStep *step) {
     step->domega = 0.0;
     const double missed = fabs(step->dtheta - s->h * radau_dot(r->weight, s->y, r->stages));
     step->angle_noise = radau_system_edge_noise(s, step->node);
-    const double rounding = RADAU_ANGLE_ROUNDING * (fabs(s->start->theta) + fabs(step->dtheta)) + step->angle_noise;
+    const double rounding = ANGLE_ROUNDING * (fabs(s->start->theta) + fabs(step->dtheta)) + step->angle_noise;
     step->error = max_of(missed - rounding, 0.0) / (fabs(step->dtheta) + DBL_MIN) / s->slip->params->tolerance;
     return true;
 }

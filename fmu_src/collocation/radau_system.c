@@ -196,8 +196,8 @@ typedef struct {
 static double rounding_of(const RadauSystem *s, double y, double speed) {
     const RightHandSide *rhs = &s->start->rhs;
     const double stiffness = radau_system_stiffness(s, rhs);
-    if (!is_inertial(s) || stiffness <= 1.0) return RADAU_ROUNDING * max_of(y, rhs->size);
-    return RADAU_ROUNDING * max_of(max_of(y, speed / s->h), rhs->size / stiffness);
+    if (!is_inertial(s) || stiffness <= 1.0) return CORRECTION_ROUNDING * max_of(y, rhs->size);
+    return CORRECTION_ROUNDING * max_of(max_of(y, speed / s->h), rhs->size / stiffness);
 }
 
 static SmallCorrection small_correction(const RadauSystem *s) {
@@ -213,7 +213,7 @@ static SmallCorrection small_correction(const RadauSystem *s) {
     const double per_y = is_inertial(s) ? speed / s->h : speed;
     return (SmallCorrection){
         .rounding = rounding,
-        .wanted = RADAU_NEWTON_SHARE * s->slip->params->tolerance * per_y,
+        .wanted = ITERATION_SHARE * s->slip->params->tolerance * per_y,
     };
 }
 
@@ -278,7 +278,7 @@ static EdgeProgress improve_angle(const RadauSystem *s, double t, int n, EdgeBra
     }
     const double step = rhs.net / rhs.by_theta;
     double next = *theta + step;
-    const bool exact = fabs(step) <= EDGE_ROUNDING * fabs(*theta) || (n > 4 && fabs(step) >= fabs(bracket->last));
+    const bool exact = fabs(step) <= ROOT_WIDTH * fabs(*theta) || (n > 4 && fabs(step) >= fabs(bracket->last));
     const bool inside = rises && sign * (next - bracket->from) >= 0.0 && sign * (bracket->to - next) >= 0.0;
     const bool starts_past_edge = !inside && n == 0 && torque_left <= 0.0; /* by rounding */
     if ((rises && exact) || starts_past_edge) {
@@ -300,7 +300,7 @@ static bool find_angle_on_edge(const RadauSystem *s, double t, double *theta) {
         .to = s->slip->direction > 0 ? s->highest : s->lowest,
         .last = INFINITY,
     };
-    for (int n = 0; n < EDGE_ITERATIONS; n++) {
+    for (int n = 0; n < BRACKET_ITERATIONS; n++) {
         slip_count(s->slip, 1);
         const EdgeProgress progress = improve_angle(s, t, n, &bracket, theta);
         if (progress != EDGE_SEARCHING) return progress == EDGE_FOUND;

@@ -158,7 +158,7 @@ static void look_for_peaks(const EdgePath *path, double from, double to, Jump *j
                      right = from + step * min_of(best + 1, (double)(int)PLAY_PEAK_PARTS);
         if (largest > PLAY_NEAR_PEAK * jump->reaction[i]) {
             const EdgeReaction reaction_i = {path, i};
-            const int steps = PLAY_GOLDEN_STEPS;
+            const int steps = GOLDEN_STEPS;
             largest = max_of(largest, golden_section_maximum(reaction_at, &reaction_i, left, right, steps).value);
         }
         jump->reaction[i] = max_of(jump->reaction[i], largest);

@@ -161,7 +161,7 @@ GroovePoint table_at(const Table *table, double psi) {
 double table_angle(const Table *table, double z) {
     const TablePiece *p = &table->piece[curve_interval(&table->piece->z, PIECE_DOUBLES, table->count, z)];
     double low = 0.0, high = 1.0, t = 0.5;
-    for (int i = 0; i < TABLE_MAX_ITERATIONS; i++) {
+    for (int i = 0; i < BRACKET_ITERATIONS; i++) {
         const GroovePoint point = piece_value(p, t);
         const double excess = p->z + point.z - z;
         if (excess == 0.0) break;

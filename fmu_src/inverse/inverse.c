@@ -171,5 +171,5 @@ void inverse_settle(Inverse *m) {
 }
 
 double inverse_indicator(const Inverse *m) {
-    return m->state.direction * m->inputs.omega[0] + INVERSE_INDICATOR_DELAY;
+    return m->state.direction * m->inputs.omega[0] + LATE_SPEED;
 }

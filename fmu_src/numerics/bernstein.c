@@ -62,7 +62,7 @@ static int sign_changes(const Bernstein *p) {
  * values of sign p at the ends are f_left >= 0 and f_right <= 0. */
 static double zero_between(const Bernstein *p, double sign, double left, double f_left, double right, double f_right,
                            double width) {
-    for (int n = 0; n < BERNSTEIN_MAX_ITERATIONS && right - left > width; n++) {
+    for (int n = 0; n < BRACKET_ITERATIONS && right - left > width; n++) {
         const double span = f_left - f_right;
         double x = n % 3 == 2 || !(span > 0.0) ? 0.5 * (left + right) : left + (right - left) * f_left / span;
         if (!(x > left && x < right)) x = 0.5 * (left + right);

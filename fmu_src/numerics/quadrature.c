@@ -81,7 +81,7 @@ static double magnitude_at(const void *context, double x) {
 /* The largest value of magnitude c between a and b. */
 static double maximum(const Quadrature *s, int c, double a, double b) {
     const Magnitude magnitude = {s, c};
-    return golden_section_maximum(magnitude_at, &magnitude, a, b, QUADRATURE_PEAK_STEPS).value;
+    return golden_section_maximum(magnitude_at, &magnitude, a, b, GOLDEN_STEPS).value;
 }
 
 static void raise_peaks(Quadrature *s, const Panel *panel) {

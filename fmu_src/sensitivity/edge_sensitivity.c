@@ -46,7 +46,7 @@ static double give(const Excess *excess, int known) {
 void edge_give(const Mechanism *m, const Excess *excess, Variation *x) {
     const double slope = excess->rhs.by_theta;
     const bool held =
-        fabs(excess->rhs.net) <= SENSITIVITY_EDGE_HELD * stick_torque_size(m, m->configuration.geometry.dz_dtheta);
+        fabs(excess->rhs.net) <= SENSITIVITY_ROUNDING * stick_torque_size(m, m->configuration.geometry.dz_dtheta);
     for (int known = x->first; known < x->end; known++)
         x->theta[known] = held && slope > 0.0 ? give(excess, known) : 0.0;
 }

@@ -231,7 +231,7 @@ static void end_delay(const Mechanism *m, Carried *v) {
     if (!is_slip(m->state.mode) || (!v->late && !v->rested)) return;
     const SlipMode slip = present_slip(m);
     const Balance after = balance_from_here(m, &slip);
-    const bool bursts = slip.regime == REGIME_VISCOUS && fabs(after.omega) > SENSITIVITY_AT_REST * after.rhs.size;
+    const bool bursts = slip.regime == REGIME_VISCOUS && fabs(after.omega) > SENSITIVITY_ROUNDING * after.rhs.size;
     if (v->rested && (bursts || slip.regime == REGIME_RATE_INDEPENDENT)) find_delay_at_edge(m, slip.direction, 0.0, v);
     if (slip.regime == REGIME_RATE_INDEPENDENT) return; /* a jump that follows needs the delay */
     for (int known = v->x.first; known < v->x.end; known++) {
