@@ -1,11 +1,8 @@
 /* One step of slip through grooves of any shape, without an event, by Lobatto IIIA collocation with four nodes.
  *
- * This is the common case, so it is made fast. The first node is the start of the step; the order at the end is 6
- * (E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, section IV.5). The equations of lobatto_system.h
- * are not stiff here, so that functional iteration solves them in two or three sweeps; where friction varies, in one or
- * two after half a sweep. A step is accepted only if its error is within the tolerance and if no event can lie in it:
- * the speed, the angle to the stop and both reactions stay clear of zero. event_location.h
- * advances a rejected step. */
+ * This is the common case, so it is made fast. A step is accepted only if its error is within the tolerance and if no
+ * event can lie in it: the speed, the angle to the stop and both reactions stay clear of zero. event_location.h advances a
+ * rejected step. */
 #ifndef DUALCAM_LOBATTO_STEP_H
 #define DUALCAM_LOBATTO_STEP_H
 

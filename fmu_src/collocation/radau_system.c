@@ -325,7 +325,7 @@ double radau_system_edge_noise(const RadauSystem *s, const Balance node[RADAU_MA
         const Balance *b = &node[i];
         const double rho = b->force != 0.0 ? b->tau / b->force : 0.0;
         const double torque = fabs(b->tau) + fabs(rho) * (fabs(b->force - b->F_ext) + fabs(b->F_ext));
-        noise = max_of(noise, EDGE_TORQUE_ROUNDING * torque / b->rhs.by_theta);
+        noise = max_of(noise, STICK_TIE_STRAIGHT * torque / b->rhs.by_theta);
     }
     return noise;
 }

@@ -79,7 +79,7 @@ static double mode_changed(Watcher *watcher, double left) {
 }
 
 static double significant(double difference, double size) {
-    return fabs(difference) > SAMPLED_INPUT_ROUNDING * size ? difference : 0.0;
+    return fabs(difference) > INPUT_ROUNDING * size ? difference : 0.0;
 }
 
 /* Derivatives at the start of the cubic through u[0] to u[3], `third` seconds apart (Newton's forward differences). */

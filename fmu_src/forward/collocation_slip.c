@@ -4,7 +4,6 @@
 #include <math.h>
 
 #include "collocation/lobatto_step.h"
-#include "collocation/radau_peaks.h"
 #include "collocation/radau_step.h"
 #include "elementary/elementary.h"
 #include "forward/candidate.h"

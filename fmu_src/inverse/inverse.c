@@ -6,9 +6,7 @@
 #include "contact/check.h"
 #include "contact/domain.h"
 #include "inverse/elastic_shaft.h"
-#include "inverse/elastic_shaft_step.h"
 #include "inverse/rigid_shaft.h"
-#include "inverse/rigid_shaft_step.h"
 #include "model/elements.h"
 #include "numerics/tolerances.h"
 

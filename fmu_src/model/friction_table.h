@@ -5,10 +5,8 @@
  * sample:
  *     u_k(v) = ln mu_jk + c_1 t + ... + c_5 t^5    t = (v - v_j)/(v_{j+1} - v_j) in [0, 1)
  * and u_k is constant beyond the last speed. With one load mu = exp(u_0). With more, ln mu over ln N is the cubic spline
- * through (ln N_k, u_k(v)) with slope zero at the first and the last load, whose second derivatives are linear in u_k (C. de
- * Boor, A Practical Guide to Splines, chapter IV). Beyond these loads mu stays at the last value. So mu is once, between
- * its ends twice continuously differentiable and never negative. Over the speed mu grows or falls nowhere else than the
- * samples do. Higher derivatives jump at the samples; collocation steps end there. */
+ * through (ln N_k, u_k(v)) with slope zero at the first and the last load (C. de Boor, A Practical Guide to Splines, chapter
+ * IV), and constant beyond. Higher derivatives jump at the samples; collocation steps end there. */
 #ifndef DUALCAM_FRICTION_TABLE_H
 #define DUALCAM_FRICTION_TABLE_H
 

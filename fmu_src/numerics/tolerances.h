@@ -62,6 +62,10 @@ static const double QUADRATURE_PEAK_ROUNDING = 4.0 * DBL_EPSILON;
 
 /* ---- model ---- */
 
+/* Share of what adds up to it below which a coefficient of an input's polynomial is rounding: a difference of the samples of
+ * a ramp, or a speed that is zero at the end of a step, which makes no reversal just before the end. */
+static const double INPUT_ROUNDING = 8.0 * DBL_EPSILON;
+
 /* Share s of spring_terms(), at most: where F_s begins with z^2 or z^3, the rounding of z changes F_s at z = 0 in second order. */
 static const double SPRING_BENDS = 2e-12;
 
@@ -210,11 +214,6 @@ static const double RADAU_FORCE_ROUNDING = 64.0 * DBL_EPSILON;
 /* Newton iterations of one trial. A trial that needs more is repeated with a shorter step. */
 enum { RADAU_NEWTON_ITERATIONS = 12 };
 
-/* Edge of the stick band */
-
-/* Share of the torques on the edge that is their rounding. */
-static const double EDGE_TORQUE_ROUNDING = 8.0 * DBL_EPSILON;
-
 /* Energy balance of a step */
 
 /* Share of the tolerance for the residual of one step, for many can pass the same energy; rounding of energies, and of z. */
@@ -292,8 +291,9 @@ static const double LOCATION_FIRST_EXTENSION = 8.0 * DBL_EPSILON;
 enum { LOCATION_EXTENSIONS = 11 };
 
 /* An event that shows in shorter steps only: the factor on the length, and the shortest length as a share of the time
- * left. */
+ * left. h |dalpha/domega| above which a step is stiff, and the share of the way to a change of flanks at which it ends. */
 static const double LOCATION_SHORTENING = 0.125, LOCATION_SHORTEST = 1e-13;
+static const double LOCATION_STIFF = 10.0, LOCATION_APPROACH = 0.75;
 static const double LOCATION_DEPARTURE = 2.0; /* exponent by which a deviation that is rounding may grow in a step */
 
 /* Newton steps from within the overshoot to the breakpoint: the second is rounding. */
@@ -334,8 +334,8 @@ enum { VARIATION_TRIALS = 300 }; /* parts tried in one step */
 
 /* ---- forward ---- */
 
-/* Torque and load at rest are known to a few roundings, in curved grooves to the digits of the transmission. A
- * difference below this share of their size counts as zero: a tie is rest. */
+/* Torque and load at rest, and along the edge of the stick band, are known to a few roundings, in curved grooves to the
+ * digits of the transmission. At rest a difference below this share of their size counts as zero: a tie is rest. */
 static const double STICK_TIE_STRAIGHT = 8.0 * DBL_EPSILON, STICK_TIE_CURVED = 2e-12;
 
 /* The rounding of the transmission's polynomials is of the largest z and of the largest slope between the stops. These
@@ -413,9 +413,6 @@ enum { MAX_WEDGES_PER_STEP = 1000 };
 
 /* ---- inverse ---- */
 
-/* A coefficient of the imposed polynomial at the end of the step is zero if it is below this share of what adds up to
- * it: a speed that is zero at the end makes no reversal just before the end. */
-static const double MOTION_END_ROUNDING = 8.0 * DBL_EPSILON;
 /* An imposed angle may lie beyond a stop by this share of the range between the stops: masters add up their angles.
  * From 7e-7 on test_refuses_to_go_beyond_the_stops of test_inverse.py fails; ten times the value passes. */
 static const double IMPOSED_STOP_ROUNDING = 1e-9;
@@ -455,8 +452,5 @@ static const double TOLERANCE_DEFAULT = 1e-9, TOLERANCE_MIN = 1e-12, TOLERANCE_M
 
 /* A master adds up its time on its own: the time of a step may differ from the FMU's by this share. */
 static const double TIME_ROUNDING = 1e-12;
-
-/* Share of the largest input value below which differences of sampled inputs are rounding, as those of a ramp are. */
-static const double SAMPLED_INPUT_ROUNDING = 8.0 * DBL_EPSILON;
 
 #endif
