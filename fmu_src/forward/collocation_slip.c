@@ -4,7 +4,6 @@
 #include <math.h>
 
 #include "collocation/lobatto_step.h"
-#include "collocation/radau_peaks.h"
 #include "collocation/radau_step.h"
 #include "elementary/elementary.h"
 #include "forward/candidate.h"
@@ -21,15 +20,8 @@ static bool slips_on(const Mechanism *m) {
 /* ---- Radau steps ---- */
 
 static void raise_radau_peaks(const Mechanism *m, const SlipMode *slip, const RadauStep *step, Segment *segment) {
-    Peaks *peak = &segment->peak;
-    const int contacts = m->params.contacts; /* the step's reactions are totals of all pin ends */
-    const RadauPeaks known = {peak->omega, {peak->reaction[0] * contacts, peak->reaction[1] * contacts}};
-    const RadauPeaks peaks = radau_step_peaks(slip, step, &known);
-    peak_raise(&peak->omega, peaks.omega);
-    peak_raise(&peak->torque, step->start.tau);
-    peak_raise(&peak->torque, radau_step_end(step)->tau);
+    radau_step_raise_peaks(slip, step, &segment->peak);
     segment_raise_input_peaks(m, step->h, segment);
-    for (int i = 0; i < 2; i++) peak_raise(&peak->reaction[i], peaks.reaction[i] / contacts);
 }
 
 /* Without inertia: the speed by the equation of motion at the angle `theta` after t seconds. The last iterate of the
@@ -144,11 +136,10 @@ static void raise_peaks_inside(const Mechanism *m, const SlipMode *slip, double 
 static void raise_lobatto_peaks(const Mechanism *m, const SlipMode *slip, const LobattoStep *lobatto,
                                 Segment *segment) {
     Peaks *peak = &segment->peak;
-    peak_raise(&peak->omega, lobatto->peak_omega);
-    peak_raise(&peak->torque, m->inputs.tau[0]);
-    peak_raise(&peak->torque, lobatto->tau);
+    peak_raise(&peak->omega, lobatto->peak.omega);
+    peak_raise(&peak->torque, lobatto->peak.torque);
     segment_raise_input_peaks(m, lobatto->h, segment);
-    for (int i = 0; i < 2; i++) peak_raise(&peak->reaction[i], lobatto->peak_reaction[i]);
+    for (int i = 0; i < 2; i++) peak_raise(&peak->reaction[i], lobatto->peak.reaction[i]);
     if (lobatto->peaks_inside) raise_peaks_inside(m, slip, lobatto->h, segment);
 }
 

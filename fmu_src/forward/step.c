@@ -296,7 +296,7 @@ static inline bool slips_in_closed_form(Mechanism *m, double h) {
 }
 
 /* A step that is one segment in the mode of the latest step needs no decision. This is the common case. */
-bool mechanism_advance_watched(Mechanism *m, double h, Watcher *watcher, Fault *fault) {
+bool mechanism_advance(Mechanism *m, double h, Watcher *watcher, Fault *fault) {
     const bool constant = inputs_constant(&m->inputs);
     if (constant && rest_goes_on(m)) {
         remember_step(m, h);
@@ -314,10 +314,6 @@ bool mechanism_advance_watched(Mechanism *m, double h, Watcher *watcher, Fault *
         return true;
     }
     return advance_by_segments(m, h, quiet ? &segment : NULL, &hint, watcher, fault);
-}
-
-bool mechanism_advance(Mechanism *m, double h, Fault *fault) {
-    return mechanism_advance_watched(m, h, NULL, fault);
 }
 
 bool mechanism_go_through(Mechanism *m, double h, StepVisitor *visitor) {
