@@ -177,8 +177,11 @@ class Simulation:
         """Motion along sigma on the first pair in the documented order that carries; none: wedged."""
         e = self._carrying(t, sigma, first, among)
         if e is None:
+            moved = self.omega != 0
             self.slide, self.omega = None, 0.0
             self._set_mode(WEDGED)
+            if moved:  # the rule begins anew, from rest
+                self._rest_or_leave(t)
             return
         self.slide = Slide(self.mechanism, sigma, e, self.tau, self.f_ext)
         self._set_mode(self._moving_mode(sigma))
@@ -314,8 +317,12 @@ class Simulation:
                 self._leave_stop(time, near)
                 return time
             if index == 2:
-                self._set_mode(STICK if self.mode == WEDGED else WEDGED)
-                return time
+                # where F_0 crosses zero, the edge becomes finite as the torque leaves the band
+                out, _ = first_crossing(lambda s: self._gaps(k, s), time, end, (0.0, 0.0))
+                if out is None or out[0] > time + 1e-9 * self.duration:
+                    self._set_mode(STICK if self.mode == WEDGED else WEDGED)
+                    return time
+                time, index = out
             sigma = 1 if index == 0 else -1
             if self.theta >= mech.upper if sigma > 0 else self.theta <= mech.lower:
                 self._set_mode(UPPER_STOP if sigma > 0 else LOWER_STOP)
