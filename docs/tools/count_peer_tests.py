@@ -1,4 +1,4 @@
-"""Counts tests in the repositories of other projects, for docs/reliability.md.
+"""Counts tests in the repositories of other projects, for docs/trust-tables.md.
 
 python docs/tools/count_peer_tests.py NAME=CLONE ...
 

@@ -1,6 +1,6 @@
-"""Writes docs/reliability.md and docs/elementary-functions.md from the results of the commands they name.
+"""Writes docs/trust-tables.md and the numbers of docs/trust.md from the results of the commands they name.
 
-python docs/tools/reliability_page.py
+python docs/tools/trust_page.py
 """
 
 from __future__ import annotations
@@ -12,31 +12,38 @@ import tomllib
 import zipfile
 from collections import Counter
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 RESULTS = ROOT / "tests/verification/results"
 CORPUS = ROOT / "tests/fuzz_corpus"
 
+PAGE = ROOT / "docs/trust.md"
+FACTS = ("command", "date", "machine", "versions", "commit", "core")
+VERDICTS = ("killed", "equivalent", "cost only", "survives")
+KINDS = {
+    "arguments": "two arguments of one type swapped",
+    "arithmetic": "`+` for `-`, `*` for `/`, and back",
+    "comparison": "`<` for `<=`, `<` for `>`, `==` for `!=`, and back",
+    "condition": "a condition negated",
+    "constant": "an integer 1 larger or smaller, a number times 1.5",
+    "logic": "`&&` for `||`, and back",
+    "sign": "a minus left out, `+=` for `-=`, and back",
+    "statement": "a statement left out",
+}
+
 Rows = list[dict[str, str]]
 
 HEAD = """\
-# How reliable are the FMUs?
+# The long tables behind the page of trust
 
-Read this page to decide whether the FMUs may run in your process, and whether their numbers can be trusted.
-The first section has the answers, the others say what was tried, what came out, and which command tries it
-again. `docs/tools/reliability_page.py` writes this page from their results. Each measurement names its
-commit; `git log COMMIT.. -- fmu_src` lists what has changed in the C code since then.
+[trust.md](trust.md) has the answers. Here stands what was tried, what came out, and which command tries it
+again. `docs/tools/trust_page.py` writes this page from `tests/verification/results`.
 """
 
 
 def read(name: str) -> Rows:
-    """A CSV file of results; nothing where there is none yet."""
-    path = RESULTS / f"{name}.csv"
-    if not path.exists():
-        return []
-    with path.open(newline="") as file:
+    with (RESULTS / f"{name}.csv").open(newline="") as file:
         return list(csv.DictReader(file))
 
 
@@ -45,9 +52,13 @@ def table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
     return "\n".join("| " + " | ".join(str(cell) for cell in line) + " |" for line in lines) + "\n"
 
 
-def measured(rows: Rows) -> str:
-    last = rows[-1]
-    return f"Measured on {last['date']}: {last['machine']}; {last['versions']}; commit {last['commit']}.\n"
+def measured(name: str) -> str:
+    """When, where and of which core. docs/tools/old_figures.py looks for the name of the file."""
+    last = read(name)[-1]
+    return (
+        f"`tests/verification/results/{name}.csv`, measured on {last['date']}: {last['machine']}; "
+        f"{last['versions']}; commit {last['commit']}.\n"
+    )
 
 
 def states() -> str:
@@ -78,28 +89,14 @@ Command: `./build.sh test tests/fmi2 tests/fmi3`.
 {table(columns, rows)}"""
 
 
-@dataclass
-class Outcome:
-    """Of one row of the stress table."""
-
-    varied: str
-    runs: int
-    judged: int
-    wrong: int
-    refused: int
-
-
-def outcomes() -> list[Outcome]:
-    text = (ROOT / "docs/stress.md").read_text(encoding="utf-8")
-    lines = next(part for part in text.split("\n\n") if part.startswith("| varied | runs |")).splitlines()
-    rows = [line.strip("| ").split(" | ") for line in lines[2:]]
-    return [Outcome(row[0], int(row[1]), int(row[2]), int(row[4]), int(row[5])) for row in rows]
+def total(column: str, rows: Rows) -> int:
+    return sum(int(row[column]) for row in rows)
 
 
 def long_fuzzing() -> str:
     """What the last long runs found, a sentence."""
     runs = read("fuzz_runs")
-    if not runs or runs[-1]["findings"] != "0":
+    if runs[-1]["findings"] != "0":
         return "Long fuzzing with other scenes still finds wrong ones."
     clean = sum(run["findings"] == "0" for run in runs)
     return (
@@ -111,8 +108,6 @@ def long_fuzzing() -> str:
 def long_runs() -> str:
     """The table of long runs."""
     runs = read("fuzz_runs")
-    if not runs:
-        return ""
     keys = ("seed", "commit", "minutes", "examples", "findings")
     rows = [[f"{int(run[key]):,}" if key == "examples" else run[key] for key in keys] for run in runs]
     return f"""\
@@ -120,55 +115,116 @@ Recorded runs of `./build.sh run fuzz`, by `./build.sh run fuzz-record --seed N`
 failed.
 
 {table(keys, rows)}
-{measured(runs)}"""
+{measured("fuzz_runs")}"""
 
 
-def verdict() -> str:
+def answers() -> str:
     laws = {
         "everything at random": "Coulomb friction",
         "everything and friction laws": "friction by speed",
         "load laws at": "friction by load",
     }
-    of_random = [(words, row) for key, words in laws.items() for row in outcomes() if key in row.varied]
-    counts = ", ".join(f"{row.wrong} of {row.runs:,} ({words})" for words, row in of_random)
-    amount = "a few are" if any(row.wrong for _, row in of_random) else "none is"
-    refused = sum(row.refused for _, row in of_random)
-    number = sum(row.runs for _, row in of_random)
+    found = [(words, row) for key, words in laws.items() for row in read("stress") if key in row["varied"]]
+    rows = [row for _, row in found]
+    counts = ", ".join(f"{row['wrong']} of {int(row['runs']):,} ({words})" for words, row in found)
+    amount = "a few are" if total("wrong", rows) else "none is"
     builds = read("trajectory_hash")
     equal = sum(row["scenes_that_differ"] == "0" for row in builds)
     return f"""\
-## Answers
-
-- **Do the numbers follow from the equations?** Yes, to the bounds of [accuracy.md](accuracy.md) in ordinary
-  scenes. Of the {number:,} extreme random scenes of [stress.md](stress.md) {amount} wrong: {counts}.
-  {refused:,} of them are refused with a message: [limits.md](limits.md#when-a-step-is-refused) has the
-  remedies. {long_fuzzing()}
-  [Fuzzing](#fuzzing) has the runs.
+- **Do the numbers follow from the equations?** Yes, to the bounds [below](#how-exact) in ordinary scenes. Of
+  the {total("runs", rows):,} [extreme random scenes](#extreme-parameters) {amount} wrong:
+  {counts}.
+  {total("refused", rows):,} of them are refused with a message, and
+  [limits.md](limits.md#when-a-step-is-refused) has the remedies. {long_fuzzing()}
+  [Fuzzing](trust-tables.md#fuzzing) has the runs.
 - **Do the equations describe a real cam?** Not shown. No hardware was measured for this project. The paper
   behind it compares its model with a bench: [paper.md](paper.md). Clearance of the grooves, an elastic pin
   and heat are not in the FMUs: [limits.md](limits.md#of-the-model).
-- **What is known to be wrong?** [stress.md](stress.md#wrong) lists runs that came out wrong,
+- **What is known to be wrong?** [A list](trust-tables.md#wrong) has the runs that came out wrong,
   [limits.md](limits.md) what the model leaves out.
 - **Can an FMU end or block my process?** No way is known in a host that masks floating-point traps, as hosts
   do: [hosts.md](hosts.md). Each step ends after a bounded number of operations, about two seconds at most.
   A fault of the host gives a message.
 - **Are the numbers the same elsewhere?** {equal} of {len(builds)} builds for Linux, Windows and WebAssembly
   give equal bits. The binaries for macOS were never run.
-- **Do the tests notice a mistake in the code?** Most: [test-strength.md](test-strength.md) counts.
+- **Do the tests notice a mistake in the code?** {share_of_mutants()} % of the small mistakes that
+  change a result: [mutants](trust-tables.md#mutants).
 """
 
 
 def scenes() -> str:
     """The stress table, in a sentence."""
-    rows = outcomes()
-    names = ("runs", "judged", "wrong", "refused")
-    runs, judged, wrong, refused = (sum(getattr(row, name) for row in rows) for name in names)
+    rows = read("stress")
     return f"""\
-## Scenes
+{total("runs", rows):,} runs over many decades of every parameter, {total("judged", rows):,} of them
+compared with an independent solution or with a second run whose steps are cut differently:
+{total("wrong", rows)} came out wrong, and {total("refused", rows):,} were refused. Command: `./build.sh run stress`.
+"""
 
-{runs:,} runs over many decades of every parameter, {judged:,} of them compared with an independent solution
-or with a second run whose steps are cut differently: {wrong} came out wrong, and {refused:,} were refused.
-[stress.md](stress.md) has the table, and lists wrong runs and messages. Command: `./build.sh run stress`.
+
+STRESS = """\
+## Extreme parameters
+
+The table has elliptical and tabulated grooves, nonlinear springs and dampers, and masses. Each row has the
+range of the varied quantity, and counts what came out of the runs. The scenes are far harder than those of
+[the bounds](trust.md#how-exact): parameters go over many decades. Command: `./build.sh run stress`.
+
+- *Judged*: compared with an independent solution. In the rows "at random" a run is compared with a second
+  run of the FMU, whose intervals are cut differently. Other runs are held to the laws alone, such as the
+  balance of energy. `tests/verification/stress/__init__.py` describes judges and laws.
+- *Right*: not refused, all laws hold, and a judged run differs by at most 100 tolerances. A scene that
+  depends strongly on its data has a wider limit: the run is repeated with parameters and inputs changed by
+  one tolerance. If its results change by d, then 10 d is allowed.
+- *Wrong*: neither right nor refused. [The list](#wrong) is below.
+- *Refused*: the step or the start ends with a message. [The messages](#refused) are below.
+- *Worst error*: the largest error of angle, speed and accounts among the right runs, relative to the largest
+  angle, speed and energy of the scene. The tolerance is 1e-9 unless the row says otherwise. In the rows
+  "against the limit" it is the distance from the limit. Elsewhere an error above 1e-7 belongs to a scene that
+  depends strongly on the data.
+- *Energy residual*: relative to the largest account, among the right runs.
+- *Longest step*: processor time of the longest doStep.
+- *ms per second*: the most processor time for a simulated second. Short steps count
+  most: 0.01 ms for a step of 1e-9 s are 1e7 ms per second.
+"""
+WORDS_OF_WRONG = """\
+Wrong runs are no part of the columns "worst error" and "energy residual". The words of the list:
+
+- *interval*: a part of a scene with one polynomial for each input. The intervals of a scene are numbered
+  from 0.
+- *cutting changes E*: the FMU runs the scene twice, in steps that cut the intervals differently. The
+  results differ by E, relative to the largest size in the scene. The quantity that differs most follows,
+  with the values of both runs.
+- *data amplify A*: the FMU runs the scene again with parameters and inputs changed by the tolerance and by
+  ten times the tolerance. The results change by at most A times the tolerance.
+- *in pieces*: the finding belongs to the run with more cuts.
+- *energy.residual X of Y*: the accounts miss X of the balance of energy, and Y is the largest account.
+- *a doStep of T*: one step computes for longer than 2 s.
+"""
+
+
+def parts_of(cell: str) -> list[str]:
+    """The messages or wrong runs of one cell of stress.csv."""
+    return cell.split(" | ") if cell else []
+
+
+def stress() -> str:
+    rows = read("stress")
+    head = [column for column in rows[0] if column not in (*FACTS, "messages", "wrong runs")]
+    messages = [[row["varied"], *part.split(" ", 1)] for row in rows for part in parts_of(row["messages"])]
+    wrong = [f"- {row['varied']}: {part}" for row in rows for part in parts_of(row["wrong runs"])]
+    none = f"None of the {total('runs', rows):,} runs came out wrong."
+    return f"""\
+{STRESS}
+{table(head, [[row[column] for column in head] for row in rows])}
+{measured("stress")}
+### Refused
+
+Numbers of runs that are refused, by the message.
+
+{table(["varied", "refused", "message"], messages)}
+### Wrong
+
+{WORDS_OF_WRONG + chr(10) + chr(10).join(wrong) if wrong else none}
 """
 
 
@@ -197,20 +253,8 @@ nothing, a restored state repeats its step bit for bit, a reset instance equals 
 {long_runs()}"""
 
 
-FAULTS = """\
-## Faults of the host
-
-`tests/test_faults.py` lets each allocation fail in turn, gives stacks of 64 kB, loggers that leave by longjmp
-or by a C++ exception, other rounding modes, flushing to zero, floating-point traps, and locales with a
-comma in numbers. `tests/test_full_disk.py` fills the disk. [hosts.md](hosts.md) says what comes out.
-Command: `./build.sh test tests/test_faults.py tests/test_full_disk.py`.
-"""
-
-
 def endurance() -> str:
     rows = read("endurance")
-    if not rows:
-        return ""
     last = {(row["scene"], row["what"]): row for row in rows}
     lines = [[r["scene"], f"{int(r['count']):,}", r["what"], r["value"]] for r in last.values()]
     return f"""\
@@ -222,55 +266,77 @@ that after the first period. Energies are relative: to that of the oscillation, 
 Command: `./build.sh run endurance`.
 
 {table(["scene", "steps or lives", "what", "value"], lines)}
-{measured(rows)}"""
+{measured("endurance")}"""
 
 
 def hashes() -> str:
     rows = read("trajectory_hash")
-    if not rows:
-        return ""
     lines = [[r["platform"], r["compiler"], f"`{r['hash']}`", r["scenes_that_differ"]] for r in rows]
     return f"""\
 ## Platforms
 
 One hash of every bit of all outputs, of both FMUs, over {rows[0]["scenes"]} scenes. The core has its own exp,
-sin and so on ([elementary-functions.md](elementary-functions.md)), and no compiler may fuse operations.
+sin and so on ([below](#elementary-functions)), and no compiler may fuse operations.
 Command: `./build.sh run hash`.
 
 {table(["platform", "compiler", "hash", "scenes that differ"], lines)}
-{measured(rows)}"""
+{measured("trajectory_hash")}"""
 
 
-def strength() -> str:
-    """Coverage and mutants, of which docs/test-strength.md has the details."""
-    branches, mutants = read("coverage"), read("mutants")
-    text = ""
-    if branches:
-        columns = ("part", "branches", "branches_percent", "mcdc_percent")
-        lines = [[row[column] for column in columns] for row in branches]
-        text += f"{table(['part', 'branches', 'taken, %', 'MC/DC, %'], lines)}\n{measured(branches)}"
-    if mutants:
-        counts = Counter(row["verdict"] for row in mutants)
-        killed = counts["killed"] / (counts["killed"] + counts["survives"])
-        text += f"""
-Of {len(mutants)} mutants {counts["killed"]} were noticed by a test, {counts["equivalent"]} change nothing,
-{counts["cost only"]} only the cost, {counts["survives"]} survive: {100 * killed:.0f} % of those
-that change a result are noticed.
-
-{measured(mutants)}"""
-    if not text:
-        return ""
-    commands = "Commands: `./build.sh run coverage`, `./build.sh run mutants`."
-    return f"## Coverage and mutants\n\n{commands}\n\n{text}"
+def share_of_mutants() -> str:
+    counts = Counter(row["verdict"] for row in read("mutants"))
+    return f"{100 * counts['killed'] / (counts['killed'] + counts['survives']):.1f}"
 
 
-STATIC = """\
-## Static analysis
+def code(text: str) -> str:
+    """C code in a cell."""
+    return "`" + (text or "nothing").replace("|", "\\|") + "`"
 
-clang-tidy (bugprone, cert, clang-analyzer), cppcheck and gcc -fanalyzer find nothing. The findings that are
-false stand with their reasons in `.clang-tidy` and `fmu_src/tools/static_analysis.py`.
-Command: `./build.sh check`.
-"""
+
+def mutants() -> str:
+    rows = read("mutants")
+    counts = {
+        kind: Counter(row["verdict"] for row in rows if kind in ("all", row["kind"]))
+        for kind in (*KINDS, "all")
+    }
+    lines = [[kind, KINDS.get(kind, ""), *(n[verdict] for verdict in VERDICTS)] for kind, n in counts.items()]
+    survivors = [
+        [f"{row['file']}, `{row['function']}()`", code(row["original"]), code(row["mutated"]), row["reason"]]
+        for row in rows
+        if row["verdict"] == "survives"
+    ]
+    return f"""\
+## Mutants
+
+A mutant is the C code with one small mistake, and a test that fails kills it:
+[the method](development.md#how-well-the-tests-test). *Equivalent*: the mistake changes no result beyond
+rounding. *Cost only*: it changes iterations or segments, and results only within their tolerance. *Survives*:
+it can change a result, and no test notices. The CSV file has each mutant, with the test that kills it or the
+reason of a verdict by hand. Command: `./build.sh run mutants`.
+
+{table(["kind", "mistake", *VERDICTS], lines)}
+**{share_of_mutants()} %** of the mutants that are neither equivalent nor of cost only are killed; the target
+is 95 %.
+
+{measured("mutants")}
+### Mutants that survive
+
+{table(["place", "code", "mutant", "reason"], survivors) if survivors else "None." + chr(10)}"""
+
+
+def branches() -> str:
+    rows = read("coverage")
+    columns = ("part", "branches", "taken", "branches_percent", "mcdc_percent", "unexplained")
+    head = ("room or file", "branches", "taken", "%", "MC/DC, %", "not taken, without a reason")
+    return f"""\
+## Branches
+
+A branch is a condition of the C code with one of its two values. The target is 97 % in each room.
+`tests/verification/strength/unreached.toml` gives the reason for branches that no test takes.
+Command: `./build.sh run coverage`.
+
+{table(head, [[row[column] for column in columns] for row in rows])}
+{measured("coverage")}"""
 
 
 def own_tests() -> int:
@@ -285,7 +351,7 @@ def figures() -> dict[str, int | str]:
         f"{row['project']} {row['what']}": int(row["number"]) for row in read("peer_tests")
     }
     whole = [row for row in read("coverage") if row["part"] == "all"]
-    found["coverage"] = f"{whole[0]['branches_percent']} %" if whole else "`./build.sh run coverage` counts"
+    found["coverage"] = f"{whole[0]['branches_percent']} %"
     thousands = own_tests() // 1000 * 1000  # so that a new test does not change the page
     return {**found, "own": thousands}
 
@@ -313,7 +379,6 @@ Sources:
 
 
 def elementary_functions() -> str:
-    """The page of its own about exp, sin and so on."""
     rows, steps = read("elementary"), read("elementary_shares")
     compared = [row for row in rows if row["arguments"]]
     lines = [
@@ -329,11 +394,10 @@ def elementary_functions() -> str:
     greatest = max(float(row["greatest_error_ulp"]) for row in compared)
     share = max(float(row["share_percent"]) for row in steps)
     return f"""\
-# Elementary functions of the core
+## Elementary functions
 
-Read this page if you want to know how exact and how fast exp, log, sin and so on of the FMUs are. The C
-core has functions of its own, so that all platforms give equal bits
-([reliability.md](reliability.md#platforms)). `docs/tools/reliability_page.py` writes this page.
+The C core has functions of its own for exp, log, sin and so on, so that all platforms give equal bits
+([platforms](#platforms)).
 
 The greatest error is {greatest:.2f} units in the last place (ulp). It was looked for at {fewest:,}
 arguments or more of each function, random and hard ones. Double-double arithmetic gives the errors. Sixty
@@ -350,16 +414,26 @@ those "of two" apart. sin and cos share one vector register.
 Command: `./build.sh run elementary`.
 
 {table(["function", "error, ulp", "instructions", "ns", "C library, not fused"], lines)}
-{measured(rows)}"""
+{measured("elementary")}"""
 
 
-def page() -> str:
-    parts = [HEAD, verdict(), scenes(), hashes(), endurance(), FAULTS, states(), fuzzing(), strength()]
-    parts += [STATIC, peers()]
-    return "\n".join(part for part in parts if part)
+def tables() -> str:
+    """docs/trust-tables.md."""
+    parts = (HEAD, stress(), hashes(), endurance(), states(), fuzzing(), mutants(), branches())
+    return "\n".join((*parts, elementary_functions(), peers()))
 
 
-PAGES = {"reliability.md": page, "elementary-functions.md": elementary_functions}
+def answered() -> str:
+    """docs/trust.md with fresh numbers."""
+    text = PAGE.read_text(encoding="utf-8")
+    for name, part in (("answers", answers()), ("scenes", scenes())):
+        begin, end = f"<!-- {name}: generated -->\n", f"<!-- end of {name} -->\n"
+        before, rest = text.split(begin)
+        text = before + begin + "\n" + part + "\n" + end + rest.split(end)[1]
+    return text
+
+
+PAGES = {"trust.md": answered, "trust-tables.md": tables}
 
 
 def main() -> None:
