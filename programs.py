@@ -84,7 +84,7 @@ EXAMPLES = (
         "system_examples/sampling_elbow.py",
     ),
     Program("study", "Which parameters matter?", 0.5, "-m dualcam study", "build,study", arguments=STUDIES),
-    Program("ssp", "How do the examples run in other masters? docs/ssp.md", 3, "-m system_examples.ssp"),
+    Program("ssp", "How do the examples run in other masters? docs/use-ssp.md", 3, "-m system_examples.ssp"),
 )
 REPORTS = (
     Program("report-joint", "What else can be said about the joint?", 0.1, "-m case_studies.robot_joint"),
@@ -174,7 +174,7 @@ VERIFICATION = (
     Program("hunting", "Is it predicted where a PI position loop hunts?", 1, "-m verification.hunting"),
     Program("all", "Do the FMUs build for all platforms?", 2, f"{BUILD} all", build=None),
     Program(
-        *("stress", "How far can each parameter be taken? Writes docs/stress.md", 15),
+        *("stress", "How far can each parameter be taken? Writes docs/trust-tables.md", 15),
         *("-m verification.stress", "test"),
     ),
     Program(

@@ -221,6 +221,6 @@ def test_text_of_docstrings_stays(extension, docstring):
 def test_links_of_pages_outside_of_docs(extension):
     """README.md is a page of the site; what has no page stays a file."""
     target, page = extension["site_target"], DOCS / "site" / "overview.md"
-    assert target(ROOT / "docs/accuracy.md", page) == "../accuracy.md"
+    assert target(ROOT / "docs/trust.md", page) == "../trust.md"
     assert target(ROOT / "CHANGELOG.md", page) == "changelog.md"
     assert target(ROOT / "CITATION.cff", DOCS / "cite.md") == "../CITATION.cff"

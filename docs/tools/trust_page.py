@@ -158,7 +158,8 @@ def scenes() -> str:
     return f"""\
 {total("runs", rows):,} runs over many decades of every parameter, {total("judged", rows):,} of them
 compared with an independent solution or with a second run whose steps are cut differently:
-{total("wrong", rows)} came out wrong, and {total("refused", rows):,} were refused. Command: `./build.sh run stress`.
+{total("wrong", rows)} came out wrong, and {total("refused", rows):,} were refused.
+Command: `./build.sh run stress`.
 """
 
 
@@ -347,13 +348,9 @@ def own_tests() -> int:
 
 def figures() -> dict[str, int | str]:
     """What stands for the braces of peer_testing.toml."""
-    found: dict[str, int | str] = {
-        f"{row['project']} {row['what']}": int(row["number"]) for row in read("peer_tests")
-    }
-    whole = [row for row in read("coverage") if row["part"] == "all"]
-    found["coverage"] = f"{whole[0]['branches_percent']} %"
+    whole = next(row for row in read("coverage") if row["part"] == "all")
     thousands = own_tests() // 1000 * 1000  # so that a new test does not change the page
-    return {**found, "own": thousands}
+    return {"coverage": f"{whole['branches_percent']} %", "own": thousands}
 
 
 def peers() -> str:
@@ -362,14 +359,13 @@ def peers() -> str:
     numbers = figures()
     lines = [[row["what"], *(row[k].format_map(numbers) for k in ("here", *projects))] for row in plan["row"]]
     links = [f"- {source['project']}: <{link}>" for source in plan["source"] for link in source["links"]]
-    dates = ", ".join(sorted({f"{row['project']} {row['date']}" for row in read("peer_tests")}))
     return f"""\
 ## Beside other projects
 
 What SQLite, SUNDIALS, MuJoCo and Box2D publish about their own tests. "Not published": neither the pages
-below nor the repository tell. `docs/tools/count_peer_tests.py` counted the tests in the repositories
-({dates}). Test functions of different projects differ in size, so
-their numbers do not compare projects. This project has no test of power loss, since the FMUs write no files.
+below nor the repository tell. The tests were counted in the repositories: Box2D of 2026-08-20, MuJoCo of
+2026-08-22, SUNDIALS of 2025-09-29. Test functions of different projects differ in size, so their numbers do
+not compare projects. This project has no test of power loss, since the FMUs write no files.
 
 {table(["what", "this project", *projects], lines)}
 Sources:

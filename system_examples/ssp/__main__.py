@@ -1,6 +1,6 @@
 """Runs the examples as SSP packages in ecos and libcosim, and compares with the Python versions.
 
-    ./build.sh run ssp                all, written to docs/ssp.md
+    ./build.sh run ssp                all, written to docs/use-ssp.md
     ./build.sh run ssp --only ecos    one master; nothing is written
 
 The packages go to build/ssp. Each master must agree to rounding with the same FMUs coupled by FMPy in the
@@ -162,7 +162,7 @@ def markdown(
     pythons: Sequence[Outcome],
     clamps: Sequence[Outcome],
 ) -> str:
-    """The page docs/ssp.md."""
+    """The page docs/use-ssp.md."""
     page = (compilation.SOURCES / "page.md").read_text()
     facts = f"versions: Python {platform.python_version()}, FMPy {version('fmpy')}"
     page = page.replace("<!-- checks -->", "\n".join(table(CHECK_HEAD, checks)))
@@ -201,8 +201,8 @@ def main() -> int:
         sep="\n",
     )
     if only is None:
-        (compilation.ROOT / "docs/ssp.md").write_text(markdown(checks, masters, pythons, clamps))
-        say("written to docs/ssp.md")
+        (compilation.ROOT / "docs/use-ssp.md").write_text(markdown(checks, masters, pythons, clamps))
+        say("written to docs/use-ssp.md")
     return int(any(o.wrong for o in (*checks, *masters, *pythons, *clamps)))
 
 
