@@ -32,6 +32,7 @@ from matplotlib.figure import Figure
 from rich.progress import track
 from scipy.stats import bootstrap
 
+from benchmarks.harness.circumstances import commit, core_of
 from dualcam.design.statics import Array
 from dualcam.systems import elbow
 from dualcam.systems.axis_bank import AxisBank
@@ -238,9 +239,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
     print(report(rows))
     draw(results, given.picture)
     with given.table.open("w", newline="", encoding="utf-8") as file:
-        csv.writer(file, lineterminator="\n").writerows(
-            [("kind", "name", "figure", "middle", "low", "high"), *rows]
-        )
+        head = ("kind", "name", "figure", "middle", "low", "high", "commit", "core")
+        measured = (commit(), core_of())
+        csv.writer(file, lineterminator="\n").writerows([head, *((*row, *measured) for row in rows)])
     print(f"{time.perf_counter() - wall:.0f} s; written: {given.picture}, {given.table}")
 
 

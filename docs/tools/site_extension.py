@@ -21,6 +21,7 @@ from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
 import dualcam
+from benchmarks.harness.old_figures import with_line
 
 DOCS = Path(__file__).resolve().parent.parent
 ROOT = DOCS.parent
@@ -88,7 +89,8 @@ def write_moved(app: Sphinx, failure: Exception | None) -> None:
 
 
 def show_file(app: Sphinx, name: str, source: list[str]) -> None:
-    """Put the text of the file in place of the comment that names the file, and mend the links."""
+    """Put the text of the file in place of the comment that names the file, mend the links, and say where
+    figures are older than the core."""
     page = Path(app.env.doc2path(name))
     base = page.parent
     text = source[0]
@@ -99,6 +101,7 @@ def show_file(app: Sphinx, name: str, source: list[str]) -> None:
         text = text.replace(shown[0], IMAGE.sub(r"![\2](\1)", file.read_text(encoding="utf-8")))
         base = file.parent
     text = LINK.sub(lambda link: f"]({site_target(base / link[1], page)}{link[2]})", text)
+    text = with_line(text)
     # In place of a file's name: the title of the page; to a section of a page: the name without its ending.
     source[0] = FILE_AS_TEXT.sub(lambda link: f"[{link[1]}](" if link[2] else "[](", text)
 

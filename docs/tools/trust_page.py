@@ -14,6 +14,8 @@ from collections import Counter
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
+from benchmarks.harness.old_figures import with_line
+
 ROOT = Path(__file__).resolve().parents[2]
 RESULTS = ROOT / "tests/verification/results"
 CORPUS = ROOT / "tests/fuzz_corpus"
@@ -434,7 +436,7 @@ PAGES = {"trust.md": answered, "trust-tables.md": tables}
 
 def main() -> None:
     for name, text in PAGES.items():
-        (ROOT / "docs" / name).write_text(text(), encoding="utf-8")
+        (ROOT / "docs" / name).write_text(with_line(text()), encoding="utf-8")
         print(f"written: docs/{name}")
 
 

@@ -22,6 +22,8 @@ from pathlib import Path
 
 import numpy as np
 
+from benchmarks.harness.circumstances import core_of
+from benchmarks.harness.old_figures import with_line
 from dualcam.ssp import START
 from system_examples.ssp import clamp_runs, compilation, hosts, parts
 from system_examples.ssp.coupling import Columns, couple
@@ -164,7 +166,7 @@ def markdown(
 ) -> str:
     """The page docs/use-ssp.md."""
     page = (compilation.SOURCES / "page.md").read_text()
-    facts = f"versions: Python {platform.python_version()}, FMPy {version('fmpy')}"
+    facts = f"versions: Python {platform.python_version()}, FMPy {version('fmpy')}, core {core_of()}"
     page = page.replace("<!-- checks -->", "\n".join(table(CHECK_HEAD, checks)))
     page = page.replace("<!-- clamp -->", "\n".join(table(clamp_runs.HEAD, clamps)))
     page = page.replace("<!-- masters -->", "\n".join(table(MASTER_HEAD, masters)))
@@ -201,7 +203,8 @@ def main() -> int:
         sep="\n",
     )
     if only is None:
-        (compilation.ROOT / "docs/use-ssp.md").write_text(markdown(checks, masters, pythons, clamps))
+        page = with_line(markdown(checks, masters, pythons, clamps))
+        (compilation.ROOT / "docs/use-ssp.md").write_text(page)
         say("written to docs/use-ssp.md")
     return int(any(o.wrong for o in (*checks, *masters, *pythons, *clamps)))
 

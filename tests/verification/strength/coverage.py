@@ -23,7 +23,7 @@ from pathlib import Path
 
 from benchmarks.harness import results
 from benchmarks.harness.circumstances import circumstances, core_of
-from benchmarks.harness.repository import ROOT
+from benchmarks.harness.repository import ROOT, VERIFICATION
 from verification.strength import decisions, tree
 from verification.strength.choice import GENERATED, ROOMS
 from verification.strength.decisions import Decision
@@ -190,7 +190,7 @@ def report(rows: Sequence[Row], measured: Sequence[Taken], console: results.Cons
 
 
 def main(words: Sequence[str] | None = None) -> int:
-    parser = results.options(__doc__, "coverage")
+    parser = results.options(__doc__, "coverage", folder=VERIFICATION / "results")
     parser.add_argument("tests", nargs="*", default=TESTS.read_text().split())
     parser.add_argument("--again", action="store_true", help="without a new copy, only what has not run yet")
     parser.add_argument("--processes", type=int, default=2)

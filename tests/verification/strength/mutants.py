@@ -29,7 +29,7 @@ from pathlib import Path
 
 from benchmarks.harness import results
 from benchmarks.harness.circumstances import circumstances, core_of
-from benchmarks.harness.repository import ROOT
+from benchmarks.harness.repository import ROOT, VERIFICATION
 from verification.strength import choice, judgements, switch, tree
 from verification.strength.judgements import IDENTITY, VERDICTS
 from verification.strength.sites import Site
@@ -257,7 +257,7 @@ def report(rows: Sequence[Row], seconds: float, console: results.Console) -> Non
 
 
 def options_of(words: Sequence[str] | None) -> Options:
-    parser = results.options(__doc__, "mutants")
+    parser = results.options(__doc__, "mutants", folder=VERIFICATION / "results")
     parser.add_argument("--count", type=int, default=COUNT, help=f"number of mutants ({COUNT})")
     parser.add_argument("--seed", type=int, default=SEED)
     parser.add_argument("--limit", type=float, default=LIMIT, help=f"s of tests for one mutant ({LIMIT:g})")
