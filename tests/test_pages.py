@@ -89,7 +89,7 @@ def test_fmpy_block(run_block):
 def test_python_control_block(run_block, capsys):
     """Ten statements; at the end of the step the torque is the edge of the band, which would hold that angle
     after a move up: rho (F0 + k z)."""
-    (block,) = blocks_of("docs/use-python-control.md", "import dualcam")
+    (block,) = blocks_of("docs/use-python-control.md", "import control")
     left = run_block(block)
     assert len([node for node in ast.parse(block).body if not isinstance(node, ast.Import)]) <= 10
     theta, tau = map(float, re.search(r"# ([\d.]+) rad, ([\d.]+) N\.m", block).groups())
@@ -294,6 +294,20 @@ def test_both_versions_have_the_same_variables(model):
     assert {n: r for n, r in second.items() if n not in more} == {
         name: reference for name, reference in third.items() if not script.ONLY_FMI3.fullmatch(name)
     }
+
+
+# ---- limits.md ----
+
+REFUSALS = TEXTS["docs/limits.md"].split("## When a step is refused")[1].split("\n## ")[0]
+
+
+def test_the_fmu_writes_the_messages_of_the_page_of_limits():
+    code = "".join(path.read_text(encoding="utf-8") for path in sorted(CORE.rglob("*.c")))
+    texts = re.sub(r'"\s*\n\s*"', "", code)  # the parts of each string joined
+    messages = re.findall(r'^\| "(.+?)" \|', REFUSALS, re.MULTILINE)
+    assert len(messages) >= 10
+    parts = [part.strip() for message in messages for part in message.split("...")]
+    assert [part for part in parts if part not in texts] == []
 
 
 # ---- pages of results ----

@@ -29,7 +29,7 @@ needs_sphinx = pytest.mark.skipif(
 )
 TOCTREE = re.compile(r"^```\{toctree\}\n(.*?)^```", re.MULTILINE | re.DOTALL)
 API = {path.stem: path.read_text(encoding="utf-8") for path in (DOCS / "api").glob("*.rst")}
-ANSWERS = ("command-line", "stick-band", "masters", "trust", "cite")  # what a new user looks for first
+ANSWERS = ("command-line", "stick-band", "masters", "trust", "README")  # what a new user looks for first
 
 
 def limit_processor_time() -> None:
@@ -85,7 +85,7 @@ def test_front_page_leads_to_each_answer_and_each_tutorial():
     text = FRONT.read_text(encoding="utf-8")
     first = text.partition(":::{living-page}")[0]
     tutorials = sorted(path.stem for path in DOCS.glob("tutorial-*.md"))
-    assert re.findall(r"\]\(([\w-]+)\.md\)", first) == [*ANSWERS, "install"]
+    assert re.findall(r"\]\(([\w-]+)\.md(?:#[\w-]+)?\)", first) == [*ANSWERS, "install"]
     assert set(ANSWERS) | set(tutorials) <= set(re.findall(r"^:link: ([\w/-]+)$", text, re.MULTILINE))
     for name in re.findall(r"^:link: ([\w/-]+)$", text, re.MULTILINE):
         assert (DOCS / f"{name}.md").is_file() or name == "gallery/index"
@@ -100,7 +100,9 @@ def test_commands_of_the_front_page_run(tmp_path):
 
 def test_cited_version_is_this_one():
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    page, reference = ((ROOT / name).read_text(encoding="utf-8") for name in ("docs/cite.md", "CITATION.cff"))
+    page, reference = (
+        (ROOT / name).read_text(encoding="utf-8") for name in ("docs/README.md", "CITATION.cff")
+    )
     assert re.findall(r"version\s*=?\s*\{?([\d.]+\d)", page) == [project["version"]] * 2
     assert re.search(r"^version: (.*)$", reference, re.MULTILINE)[1] == project["version"]
     (date,) = re.findall(r"date\s*= \{(.*)\}", page)
@@ -225,4 +227,4 @@ def test_links_of_pages_outside_of_docs(extension):
     target, page = extension["site_target"], DOCS / "site" / "overview.md"
     assert target(ROOT / "docs/trust.md", page) == "../trust.md"
     assert target(ROOT / "CHANGELOG.md", page) == "changelog.md"
-    assert target(ROOT / "CITATION.cff", DOCS / "cite.md") == "../CITATION.cff"
+    assert target(ROOT / "CITATION.cff", DOCS / "README.md") == "../CITATION.cff"

@@ -44,6 +44,8 @@ MOVED = {
     "test-strength": "development",
     "use-study-clusters": "use-study-results",
     "ssp": "use-ssp",
+    "use-casadi": "use-python-control",
+    "cite": "README",
     "use-fmi3": "use-co-simulation",
 }
 LIVING_PAGE = "_static/view.html"
