@@ -33,7 +33,7 @@ PAGE_OF = {
     ROOT / "CHANGELOG.md": DOCS / "site/changelog.md",
 }
 LIST = DOCS / "README.md"
-SECTION = re.compile(r"^## ([^\n]*)\n(.*?)(?=^## |\Z)", re.MULTILINE | re.DOTALL)
+SECTION = re.compile(r"^## ([^\n]*)\n(.*?)(?=^##|\Z)", re.MULTILINE | re.DOTALL)
 ROW = re.compile(r"^\|[^|]*\| \[[^\]]*\]\(([^)#]+)", re.MULTILINE)
 # Addresses of earlier pages, without .html. Somebody may have kept them.
 MOVED = {

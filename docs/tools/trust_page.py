@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import base64
 import csv
-import re
 import tomllib
 import zipfile
 from collections import Counter
@@ -353,40 +352,6 @@ Command: `./build.sh run coverage`.
 {measured("coverage")}"""
 
 
-def own_tests() -> int:
-    """The number of test functions of this project."""
-    files = [path.read_text(encoding="utf-8") for path in (ROOT / "tests").rglob("test_*.py")]
-    return sum(len(re.findall(r"^\s*def test_", text, re.M)) for text in files)
-
-
-def figures() -> dict[str, int | str]:
-    """What stands for the braces of peer_testing.toml."""
-    whole = next(row for row in read("coverage") if row["part"] == "all")
-    thousands = own_tests() // 1000 * 1000  # so that a new test does not change the page
-    return {"coverage": f"{whole['branches_percent']} %", "own": thousands}
-
-
-def peers() -> str:
-    plan = tomllib.loads((ROOT / "docs/tools/peer_testing.toml").read_text(encoding="utf-8"))
-    projects = [source["project"] for source in plan["source"]]
-    numbers = figures()
-    lines = [[row["what"], *(row[k].format_map(numbers) for k in ("here", *projects))] for row in plan["row"]]
-    links = [f"- {source['project']}: <{link}>" for source in plan["source"] for link in source["links"]]
-    return f"""\
-## Beside other projects
-
-What SQLite, SUNDIALS, MuJoCo and Box2D publish about their own tests. "Not published": neither the pages
-below nor the repository tell. The tests were counted in the repositories: Box2D of 2026-08-20, MuJoCo of
-2026-08-22, SUNDIALS of 2025-09-29. Test functions of different projects differ in size, so their numbers do
-not compare projects. This project has no test of power loss, since the FMUs write no files.
-
-{table(["what", "this project", *projects], lines)}
-Sources:
-
-{chr(10).join(links)}
-"""
-
-
 def elementary_functions() -> str:
     rows, steps = read("elementary"), read("elementary_shares")
     compared = [row for row in rows if row["arguments"]]
@@ -429,7 +394,7 @@ Command: `./build.sh run elementary`.
 def tables() -> str:
     """docs/trust-tables.md."""
     parts = (HEAD, stress(), hashes(), endurance(), states(), fuzzing(), mutants(), branches())
-    return "\n".join((*parts, elementary_functions(), peers()))
+    return "\n".join((*parts, elementary_functions()))
 
 
 def answered() -> str:
