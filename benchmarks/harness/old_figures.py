@@ -18,6 +18,7 @@ from benchmarks.harness.repository import DOCS, ROOT
 FILE = re.compile(r"`((?:benchmarks|tests/verification)/results/\w+\.csv)`")
 OWN = re.compile(r"\bcore ([0-9a-f]{12})\b")
 TITLE = re.compile(r"\A((?:---\n.*?^---\n+)?# [^\n]*\n\n)", re.MULTILINE | re.DOTALL)
+NEW = "all results are new; are numbers that stand there by hand theirs?"
 LINE = re.compile(r"^> \*\*Older than the core:\*\* [^\n]*\n\n", re.MULTILINE)
 
 
@@ -59,7 +60,8 @@ def main() -> None:
         fresh = with_line(text, core)
         if fresh != text:
             page.write_text(fresh, encoding="utf-8")
-            print(f"{page.relative_to(ROOT)}: {'has' if LINE.search(fresh) else 'has no'} old figures")
+            said = "has old figures" if LINE.search(fresh) else NEW
+            print(f"{page.relative_to(ROOT)}: {said}")
 
 
 if __name__ == "__main__":
