@@ -2,8 +2,8 @@
 
     python -m case_studies.car_door
 
-The door is the one of dualcam.systems.car_door. Equations and the tables of design and motor cycles are those
-of system_examples/car_door.py.
+The door is the one of dualcam.systems.machines.car_door. Equations and the tables of design and motor cycles
+are those of system_examples/car_door.py.
 """
 
 from __future__ import annotations
@@ -20,9 +20,12 @@ from matplotlib.figure import Figure
 from case_studies.command_line import bullets, parse
 from dualcam import Fmu
 from dualcam.design.statics import sign_of, transfer
-from dualcam.systems import car_door
-from dualcam.systems.axis import CamAxis, simulate_closed_loop
-from dualcam.systems.car_door import (
+from dualcam.systems.blocks.axis import CamAxis, simulate_closed_loop
+from dualcam.systems.blocks.current_loop import CONTROL_PERIOD as STEP
+from dualcam.systems.blocks.current_loop import CurrentLoop
+from dualcam.systems.blocks.record import LEDGER
+from dualcam.systems.machines import car_door
+from dualcam.systems.machines.car_door import (
     ATTITUDES,
     ATTITUDES_NOT_DESIGNED_FOR,
     BOTH,
@@ -49,9 +52,6 @@ from dualcam.systems.car_door import (
     share_of_angles_held,
     weight,
 )
-from dualcam.systems.current_loop import CONTROL_PERIOD as STEP
-from dualcam.systems.current_loop import CurrentLoop
-from dualcam.systems.record import LEDGER
 
 BARE, CAM, UNDAMPED = "plain door", "cam", "cam, no damper"
 PUSH_TIME = 0.1  # s, duration of a push

@@ -2,9 +2,10 @@
 
     python -m case_studies.optimised_designs --workers 2
 
-Both cams are fitted by least squares to a torque (dualcam.systems.knee, dualcam.systems.elbow): the cam's
-torque along the planned motion should equal what the motion asks for. What counts is the motor's heat in the
-closed loop. Here the same parameters are chosen for the heat, by dualcam.study.optimise:
+Both cams are fitted by least squares to a torque (dualcam.systems.machines.knee,
+dualcam.systems.machines.elbow): the cam's torque along the planned motion should equal what the motion asks
+for. What counts is the motor's heat in the closed loop. Here the same parameters are chosen for the heat, by
+dualcam.study.optimise:
 
   knee          SLSQP: least heat over three cadences; no harder impact than 20 deg/s. The second subject, who
                 has no part in the search, checks the result
@@ -35,12 +36,12 @@ from dualcam import Fmu
 from dualcam.errors import DualcamError
 from dualcam.study import Deviation, Optimisation, Optimum, Vary, optimise
 from dualcam.study.optimisation.evaluation import Evaluator
-from dualcam.systems import elbow, knee
-from dualcam.systems.axis import CamAxis, simulate_closed_loop
-from dualcam.systems.current_loop import CurrentLoop
-from dualcam.systems.gait import CHECK_WALKER, DESIGN_WALKER, Walker
-from dualcam.systems.motor import AK80_6
-from dualcam.systems.swing import Swing
+from dualcam.systems.blocks.axis import CamAxis, simulate_closed_loop
+from dualcam.systems.blocks.current_loop import CurrentLoop
+from dualcam.systems.blocks.motor import AK80_6
+from dualcam.systems.machines import elbow, knee
+from dualcam.systems.machines.gait import CHECK_WALKER, DESIGN_WALKER, Walker
+from dualcam.systems.machines.swing import Swing
 
 HERE = Path(__file__).resolve().parent
 FMU = HERE.parent / "build" / "DualCamForward.fmu"

@@ -3,7 +3,7 @@ motor that follows exactly, softer and stiffer impedances, findings, and a pictu
 
     python -m case_studies.prosthetic_knee
 
-The knee is the one of dualcam.systems.knee. Equations and the table of all swings are those of
+The knee is the one of dualcam.systems.machines.knee. Equations and the table of all swings are those of
 system_examples/prosthetic_knee.py.
 
 Check. The knee moment that the equation of motion asks for along the measured motion is compared with the
@@ -29,12 +29,12 @@ from matplotlib.figure import Figure
 
 from case_studies.command_line import bullets, parse
 from dualcam import Fmu
-from dualcam.systems import knee
-from dualcam.systems.current_loop import CONTROL_PERIOD
-from dualcam.systems.elliptical_cam import NO_CAM
-from dualcam.systems.gait import CHECK_WALKER, DESIGN_WALKER, Walker
-from dualcam.systems.knee import KneeSwing
-from dualcam.systems.swing import Swing
+from dualcam.systems.blocks.current_loop import CONTROL_PERIOD
+from dualcam.systems.blocks.elliptical_cam import NO_CAM
+from dualcam.systems.machines import knee
+from dualcam.systems.machines.gait import CHECK_WALKER, DESIGN_WALKER, Walker
+from dualcam.systems.machines.knee import KneeSwing
+from dualcam.systems.machines.swing import Swing
 
 CADENCES = (0.8, 1.0, 1.2)  # of the self-selected one
 FREQUENCIES = (2.0, 5.0, 8.0)  # Hz, of softer and stiffer impedances

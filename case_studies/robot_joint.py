@@ -2,7 +2,7 @@
 
     python -m case_studies.robot_joint
 
-The joint is the one of dualcam.systems.elbow. Equations, loops and results are those of
+The joint is the one of dualcam.systems.machines.elbow. Equations, loops and results are those of
 system_examples/robot_joint.py.
 """
 
@@ -17,11 +17,11 @@ from matplotlib.figure import Figure
 
 from case_studies.command_line import parse
 from dualcam import Fmu
-from dualcam.systems import elbow
-from dualcam.systems.axis import CamAxis, simulate_closed_loop
-from dualcam.systems.current_loop import CONTROL_PERIOD, CurrentLoop
-from dualcam.systems.elbow import DESIGN_PAYLOAD, MOTION, NO_CAM, RANGE, Cycle
-from dualcam.systems.motor import AK80_6
+from dualcam.systems.blocks.axis import CamAxis, simulate_closed_loop
+from dualcam.systems.blocks.current_loop import CONTROL_PERIOD, CurrentLoop
+from dualcam.systems.blocks.motor import AK80_6
+from dualcam.systems.machines import elbow
+from dualcam.systems.machines.elbow import DESIGN_PAYLOAD, MOTION, NO_CAM, RANGE, Cycle
 
 PAYLOADS = (0.0, 1.5, 3.0)  # kg
 BARE, CAM, NAIVE = "no cam", "cam", "cam, friction unknown"

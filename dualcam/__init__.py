@@ -27,6 +27,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from dualcam.common.moved import find_moved_modules
+
 if TYPE_CHECKING:
     from dualcam import (
         checking,
@@ -46,9 +48,13 @@ if TYPE_CHECKING:
         systems,
         view,
     )
-    from dualcam.bridge import to_nonlinear_io_system
     from dualcam.checking import Verdict, check_design
-    from dualcam.continuous_fmu import ContinuousFmu
+    from dualcam.control.bridge import to_nonlinear_io_system
+    from dualcam.control.harmonic_balance import LimitCycle
+    from dualcam.control.hysteresis import CamHysteresis
+    from dualcam.control.limit_cycles import LimitCycles
+    from dualcam.control.linear import OperatingPoint, OperatingPointError, linearize
+    from dualcam.control.sampled_loop import LoopMotion
     from dualcam.coupling import PlantCoupling
     from dualcam.design_file import DesignFile, DesignFileError, read_design
     from dualcam.errors import (
@@ -70,18 +76,14 @@ if TYPE_CHECKING:
     )
     from dualcam.export import export_fmu
     from dualcam.fleet import Fleet, FleetState
-    from dualcam.fmu import Fmu, RepeatedStart
-    from dualcam.handle import FmuState
-    from dualcam.harmonic_balance import LimitCycle
-    from dualcam.hysteresis import CamHysteresis
+    from dualcam.fmi.continuous_fmu import ContinuousFmu
+    from dualcam.fmi.fmu import Fmu, RepeatedStart
+    from dualcam.fmi.handle import FmuState
+    from dualcam.fmi.library import fmu_path
+    from dualcam.fmi.model_description import ModelDescription, Variable, read_model_description
+    from dualcam.fmi.reals import Reals
     from dualcam.identification import Identification, identify
-    from dualcam.library import fmu_path
-    from dualcam.limit_cycles import LimitCycles
-    from dualcam.linear import OperatingPoint, OperatingPointError, linearize
-    from dualcam.model_description import ModelDescription, Variable, read_model_description
-    from dualcam.reals import Reals
     from dualcam.report import write_report
-    from dualcam.sampled_loop import LoopMotion
     from dualcam.simulation import Trajectory, simulate
     from dualcam.ssp import export_ssp
     from dualcam.study.problem import StudyError
@@ -157,8 +159,8 @@ __all__ = [
 ]
 
 _MODULE_OF = {
-    "CamHysteresis": "hysteresis",
-    "ContinuousFmu": "continuous_fmu",
+    "CamHysteresis": "control.hysteresis",
+    "ContinuousFmu": "fmi.continuous_fmu",
     "CouplingError": "errors",
     "DesignError": "errors",
     "DesignFile": "design_file",
@@ -170,41 +172,41 @@ _MODULE_OF = {
     "Fleet": "fleet",
     "FleetError": "errors",
     "FleetState": "fleet",
-    "Fmu": "fmu",
+    "Fmu": "fmi.fmu",
     "FmuError": "errors",
-    "FmuState": "handle",
+    "FmuState": "fmi.handle",
     "Identification": "identification",
     "IdentificationError": "errors",
-    "LimitCycle": "harmonic_balance",
+    "LimitCycle": "control.harmonic_balance",
     "LimitCycleWarning": "errors",
-    "LimitCycles": "limit_cycles",
-    "LoopMotion": "sampled_loop",
-    "ModelDescription": "model_description",
+    "LimitCycles": "control.limit_cycles",
+    "LoopMotion": "control.sampled_loop",
+    "ModelDescription": "fmi.model_description",
     "MujocoError": "errors",
-    "OperatingPoint": "linear",
-    "OperatingPointError": "linear",
+    "OperatingPoint": "control.linear",
+    "OperatingPointError": "control.linear",
     "PlantCoupling": "coupling",
-    "Reals": "reals",
-    "RepeatedStart": "fmu",
+    "Reals": "fmi.reals",
+    "RepeatedStart": "fmi.fmu",
     "StudyError": "study.problem",
     "TaskError": "errors",
     "Trajectory": "simulation",
     "UnitWarning": "errors",
     "UnknownVariableError": "errors",
     "UnstableCouplingWarning": "errors",
-    "Variable": "model_description",
+    "Variable": "fmi.model_description",
     "Verdict": "checking",
-    "__version__": "version",
+    "__version__": "common.version",
     "check_design": "checking",
     "export_fmu": "export",
     "export_ssp": "ssp",
-    "fmu_path": "library",
+    "fmu_path": "fmi.library",
     "identify": "identification",
-    "linearize": "linear",
+    "linearize": "control.linear",
     "read_design": "design_file",
-    "read_model_description": "model_description",
+    "read_model_description": "fmi.model_description",
     "simulate": "simulation",
-    "to_nonlinear_io_system": "bridge",
+    "to_nonlinear_io_system": "control.bridge",
     "write_report": "report",
     "write_view": "view",
 }
@@ -227,6 +229,8 @@ _MODULES = (
     "view",
 )
 
+find_moved_modules()
+
 if not TYPE_CHECKING:  # type checkers see the imports above, and report other names
 
     def __getattr__(name: str) -> object:
@@ -235,6 +239,10 @@ if not TYPE_CHECKING:  # type checkers see the imports above, and report other n
         if name in _MODULES:
             return import_module(f"dualcam.{name}")
         if name not in _MODULE_OF:
+            from dualcam.common.moved import MOVED, moved_module
+
+            if name in MOVED:
+                return moved_module(name, stacklevel=2)
             from difflib import get_close_matches
 
             near = get_close_matches(name, __all__, n=3)

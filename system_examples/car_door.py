@@ -19,8 +19,8 @@ the middle of the band lies near the weight on level ground. Second, the weight 
 attitude, so the band must reach below zero. Then both contacts lock themselves (lead angle below the angle of
 friction), and in a locked cam a damper on the follower brakes only while the spring is loaded.
 
-Design: dualcam.systems.car_door.design. The price: a band that holds 36 N.m on a slope also resists the hand
-and the motor on level ground. The first table weighs one against the other.
+Design: dualcam.systems.machines.car_door.design. The price: a band that holds 36 N.m on a slope also resists
+the hand and the motor on level ground. The first table weighs one against the other.
 
 Loops: current PI at 20 kHz; PI on speed at 1 kHz along a profile of minimum jerk, with feed-forward of
 inertia, weight, friction and damper, the weight from a tilt sensor. When the profile has ended and the weight
@@ -44,9 +44,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from dualcam import Fmu
-from dualcam.systems import car_door
-from dualcam.systems.axis import simulate_closed_loop
-from dualcam.systems.car_door import (
+from dualcam.systems.blocks.axis import simulate_closed_loop
+from dualcam.systems.blocks.current_loop import CurrentLoop
+from dualcam.systems.machines import car_door
+from dualcam.systems.machines.car_door import (
     ATTITUDES,
     ATTITUDES_NOT_DESIGNED_FOR,
     BOTH,
@@ -57,7 +58,6 @@ from dualcam.systems.car_door import (
     OPEN,
     MotorCycle,
 )
-from dualcam.systems.current_loop import CurrentLoop
 
 BUILD = Path(__file__).resolve().parent.parent / "build"
 BARE, CAM = "plain door", "cam"

@@ -7,8 +7,9 @@ rotor, a speed from differences of counts through a low-pass filter, and answers
     torque = I [a - kp e - kd e' - ki integral(e)] + T_cam - T_gravity       kp = 2 w^2, kd = 2 w, ki = s w^3
 
 Two numbers are tuned: the bandwidth w/(2 pi) and the share s of the integral gain (s = 1: LQI, see
-dualcam.systems.position_controller). Each pair on a grid of 20 x 20 runs with the same 250 random payloads
-and frictions: 10^5 closed loops of 4000 periods, by a dualcam.Fleet and NumPy over all loops of a block.
+dualcam.systems.blocks.position_controller). Each pair on a grid of 20 x 20 runs with the same 250 random
+payloads and frictions: 10^5 closed loops of 4000 periods, by a dualcam.Fleet and NumPy over all loops of a
+block.
 
     cost      heat of the motor + 1 J/mrad^2.s times the integral of the squared error
     nominal   the gains with the least cost if payload and friction are as believed
@@ -36,11 +37,11 @@ from rich.progress import track
 
 from dualcam import Fleet
 from dualcam.design.statics import Array
-from dualcam.systems import elbow
-from dualcam.systems.axis import angle_amid
-from dualcam.systems.current_loop import CONTROL_PERIOD
-from dualcam.systems.motor import AK80_6
-from dualcam.systems.motor_bank import MotorBank
+from dualcam.systems.blocks.axis import angle_amid
+from dualcam.systems.blocks.current_loop import CONTROL_PERIOD
+from dualcam.systems.blocks.motor import AK80_6
+from dualcam.systems.blocks.motor_bank import MotorBank
+from dualcam.systems.machines import elbow
 
 BUILD = Path(__file__).resolve().parent.parent / "build"
 CAM = elbow.design_cam()

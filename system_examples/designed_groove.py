@@ -32,7 +32,7 @@ from matplotlib.figure import Figure
 from dualcam import Fmu
 from dualcam.design import Assessment, Design, Helix, Limits, Pin, Spring, assess, optimum, synthesize
 from dualcam.design.statics import Array
-from dualcam.systems.slow_motion import slow_torque
+from dualcam.systems.blocks.slow_motion import slow_torque
 
 BUILD = Path(__file__).resolve().parent.parent / "build"
 UPPER = math.radians(80.0)

@@ -29,8 +29,8 @@ from scipy.optimize import differential_evolution, minimize
 
 from dualcam.design.statics import Array
 from dualcam.gradient import DifferentiableFleet, jax_rollout
-from dualcam.systems import elbow
-from dualcam.systems.motor import AK80_6
+from dualcam.systems.blocks.motor import AK80_6
+from dualcam.systems.machines import elbow
 
 jax.config.update("jax_enable_x64", True)
 

@@ -34,10 +34,10 @@ import mujoco
 import numpy as np
 from matplotlib.figure import Figure
 
+from dualcam.fmi.reals import Array
 from dualcam.mujoco import CamJoint, CamSimulation
 from dualcam.mujoco.ur3e_elbow import elbow_mjcf
-from dualcam.reals import Array
-from dualcam.systems import elbow
+from dualcam.systems.machines import elbow
 
 BUILD = Path(__file__).resolve().parent.parent / "build"
 STEP = 2e-3  # s, MuJoCo's default

@@ -35,10 +35,10 @@ from matplotlib.figure import Figure
 
 from dualcam import Fmu
 from dualcam.design.statics import Array
-from dualcam.systems import elbow
-from dualcam.systems.gravity import GravityLoad
-from dualcam.systems.motor import AK80_6
-from dualcam.systems.radau_grid import RadauGrid
+from dualcam.systems.blocks.gravity import GravityLoad
+from dualcam.systems.blocks.motor import AK80_6
+from dualcam.systems.blocks.radau_grid import RadauGrid
+from dualcam.systems.machines import elbow
 
 BUILD = Path(__file__).resolve().parent.parent / "build"
 PAYLOAD = elbow.DESIGN_PAYLOAD  # kg

@@ -16,8 +16,8 @@ the shank's inertia; `drive` and the motor's torque are its input. Without the c
 neither spring nor damper nor friction: an inertia.
 
 Cam       the squared torque left to the motor is minimal over the first subject's self-selected swing, by
-          groove, spring and damper (dualcam.systems.knee.design_cam). At other cadences the damper's valve is
-          set in proportion to the cadence
+          groove, spring and damper (dualcam.systems.machines.knee.design_cam). At other cadences the damper's
+          valve is set in proportion to the cadence
 Control   the motor follows the measured motion through an impedance, a spring and a damper at 1 kHz, which
           knows neither the load nor the cam
 Stop      full extension, with a stop, is the smallest knee angle of the measured swing. A shank that is too
@@ -42,10 +42,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from dualcam import Fmu
-from dualcam.systems import knee
-from dualcam.systems.elliptical_cam import NO_CAM
-from dualcam.systems.gait import CHECK_WALKER, DESIGN_WALKER
-from dualcam.systems.knee import KneeSwing
+from dualcam.systems.blocks.elliptical_cam import NO_CAM
+from dualcam.systems.machines import knee
+from dualcam.systems.machines.gait import CHECK_WALKER, DESIGN_WALKER
+from dualcam.systems.machines.knee import KneeSwing
 
 BUILD = Path(__file__).resolve().parent.parent / "build"
 WALKERS = (DESIGN_WALKER, CHECK_WALKER)  # the design never saw the second one

@@ -21,7 +21,7 @@ Left out, in all cases alike: friction and backlash of the gear, the encoder's r
 the drive, the follower's mass. So the joint without the cam has no friction at all.
 
 Copy this file for an own system: the load, the motion, the motor and the controller are blocks of
-dualcam.systems (here put together in dualcam.systems.elbow).
+dualcam.systems (here put together in dualcam.systems.machines.elbow).
 """
 
 from __future__ import annotations
@@ -37,11 +37,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from dualcam import Fmu
-from dualcam.systems import elbow
-from dualcam.systems.axis import CamAxis, simulate_closed_loop
-from dualcam.systems.current_loop import CurrentLoop
-from dualcam.systems.elbow import DESIGN_PAYLOAD, MOTION, NO_CAM, RANGE, Cycle
-from dualcam.systems.motor import AK80_6
+from dualcam.systems.blocks.axis import CamAxis, simulate_closed_loop
+from dualcam.systems.blocks.current_loop import CurrentLoop
+from dualcam.systems.blocks.motor import AK80_6
+from dualcam.systems.machines import elbow
+from dualcam.systems.machines.elbow import DESIGN_PAYLOAD, MOTION, NO_CAM, RANGE, Cycle
 
 BUILD = Path(__file__).resolve().parent.parent / "build"
 PAYLOADS = (0.0, 1.5, 3.0)  # kg; a UR3e carries 3 kg

@@ -2,7 +2,7 @@
 
 The elbow of the example robot_joint with its cam follows one cycle of pick and place (4 s), with 200 random
 payloads (0.5 to 2.5 kg) and friction coefficients (0.10 to 0.18). Two kinds of controllers do so, behind the
-same encoder and with the same motor (dualcam.systems.elbow_controllers has both):
+same encoder and with the same motor (dualcam.systems.machines.elbow_controllers has both):
 
     MPPI    model predictive path integral control: every 10 ms 192 random plans of the motor's torque over
             0.3 s run on instances of the forward FMU. Their mean, weighted by cost, is the next plan
@@ -11,9 +11,11 @@ same encoder and with the same motor (dualcam.systems.elbow_controllers has both
     cost = heat of the motor + 1 J/mrad^2.s times the integral of the squared error
 
 Payload and friction are those of the cam's design for "as designed", and the true ones for "informed". For
-"estimate" a particle filter over 64 instances of the FMU (dualcam.systems.payload_filter) finds them.
+"estimate" a particle filter over 64 instances of the FMU (dualcam.systems.machines.payload_filter) finds
+them.
 
-Copy `Mppi` of dualcam.systems.elbow_controllers for an own system. Its method `costs` says what is good.
+Copy `Mppi` of dualcam.systems.machines.elbow_controllers for an own system. Its method `costs` says what is
+good.
 """
 
 from __future__ import annotations
@@ -34,10 +36,12 @@ from scipy.stats import bootstrap
 
 from benchmarks.harness.circumstances import commit, core_of
 from dualcam.design.statics import Array
-from dualcam.systems import elbow
-from dualcam.systems.axis_bank import AxisBank
-from dualcam.systems.current_loop import CONTROL_PERIOD
-from dualcam.systems.elbow_controllers import (
+from dualcam.systems.blocks.axis_bank import AxisBank
+from dualcam.systems.blocks.current_loop import CONTROL_PERIOD
+from dualcam.systems.blocks.motor import AK80_6
+from dualcam.systems.blocks.motor_bank import MotorBank
+from dualcam.systems.machines import elbow
+from dualcam.systems.machines.elbow_controllers import (
     ANGLES,
     CAM,
     COUNT,
@@ -50,9 +54,7 @@ from dualcam.systems.elbow_controllers import (
     estimator,
     informed,
 )
-from dualcam.systems.motor import AK80_6
-from dualcam.systems.motor_bank import MotorBank
-from dualcam.systems.payload_filter import Belief
+from dualcam.systems.machines.payload_filter import Belief
 
 BUILD = Path(__file__).resolve().parent.parent / "build"
 DRAWS = 200

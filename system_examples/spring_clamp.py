@@ -11,9 +11,9 @@ The FMU knows no temperature. The loop is closed outside the FMU, once per cycle
 heat of each contact, and the coefficients of friction can be tuned during a run. The comparison is the same
 clamp whose friction stays that of the cold start.
 
-Grease: the base oil of a usual grease under Vogel's law (dualcam.systems.grease). Thermal network: contact
-zone and housing, in air (dualcam.systems.thermal_network). Clamp, servo, numbers: dualcam.systems.clamp. The
-coefficients of friction are plausible, not measured.
+Grease: the base oil of a usual grease under Vogel's law (dualcam.systems.blocks.grease). Thermal network:
+contact zone and housing, in air (dualcam.systems.blocks.thermal_network). Clamp, servo, numbers:
+dualcam.systems.machines.clamp. The coefficients of friction are plausible, not measured.
 
 Left out, in both cases alike: heat of the servo and of the spring, the workpiece, the thickener of the
 grease, losses of bearings.
@@ -32,9 +32,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from dualcam import Fmu
-from dualcam.systems import clamp
-from dualcam.systems.clamp import GREASE, HALL, MOTION, NETWORK, WarmUp
-from dualcam.systems.grease import CELSIUS
+from dualcam.systems.blocks.grease import CELSIUS
+from dualcam.systems.machines import clamp
+from dualcam.systems.machines.clamp import GREASE, HALL, MOTION, NETWORK, WarmUp
 
 BUILD = Path(__file__).resolve().parent.parent / "build"
 COLD, WARMING = "friction of the cold start", "friction follows the temperature"

@@ -18,7 +18,7 @@ import reference_results
 from driver import ROOT, Driver, load, models
 from reference_results import FORWARD_IN
 
-from dualcam.archive import read_members, write_archive
+from dualcam.common.archive import read_members, write_archive
 
 FORWARD, INVERSE = models.values()
 REFERENCE = ROOT / "modelDescription/reference"

@@ -8,10 +8,10 @@ import pytest
 from scipy.integrate import quad
 
 from dualcam import Fmu
-from dualcam.systems.elliptical_cam import EllipticalCam
-from dualcam.systems.impedance import Impedance
-from dualcam.systems.motions import FourierSeries
-from dualcam.systems.pendulum import HingedPendulum, HingeMotion
+from dualcam.systems.blocks.elliptical_cam import EllipticalCam
+from dualcam.systems.blocks.impedance import Impedance
+from dualcam.systems.blocks.motions import FourierSeries
+from dualcam.systems.blocks.pendulum import HingedPendulum, HingeMotion
 
 ROOT = Path(__file__).resolve().parent.parent
 STEP = 2e-3  # s, of the differences below

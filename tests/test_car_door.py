@@ -11,10 +11,10 @@ from scipy.spatial.transform import Rotation
 
 from case_studies import car_door as report
 from dualcam import Fmu
-from dualcam.systems import car_door
-from dualcam.systems.car_door import MOTION, MOTOR, RATIO
-from dualcam.systems.gravity import hinged_load, vertical_in_car
-from dualcam.systems.helical_cam import holding_torque
+from dualcam.systems.blocks.gravity import hinged_load, vertical_in_car
+from dualcam.systems.blocks.helical_cam import holding_torque
+from dualcam.systems.machines import car_door
+from dualcam.systems.machines.car_door import MOTION, MOTOR, RATIO
 from system_examples import car_door as example
 
 ROOT = Path(__file__).resolve().parent.parent

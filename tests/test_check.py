@@ -24,8 +24,8 @@ from dualcam.design import (
     hertz_pressure,
 )
 from dualcam.design_file import TEMPLATES, read_design, write_template
-from dualcam.library import fmu_path
-from dualcam.variables import all_parameters
+from dualcam.fmi.library import fmu_path
+from dualcam.fmi.variables import all_parameters
 
 
 @pytest.fixture

@@ -13,8 +13,8 @@ from lxml import etree
 from ssp_structures import connections_of
 
 from dualcam import Fmu, FmuError
-from dualcam.systems import clamp
-from dualcam.systems.grease import CELSIUS
+from dualcam.systems.blocks.grease import CELSIUS
+from dualcam.systems.machines import clamp
 from system_examples.ssp import clamp as system_module
 from system_examples.ssp import clamp_runs, compilation, parts
 from system_examples.ssp.coupling import couple

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from dualcam import Fmu
-from dualcam.systems import elbow
-from dualcam.systems.axis import CamAxis
-from dualcam.systems.current_loop import CONTROL_PERIOD, CurrentLoop
-from dualcam.systems.motor import AK80_6
+from dualcam.systems.blocks.axis import CamAxis
+from dualcam.systems.blocks.current_loop import CONTROL_PERIOD, CurrentLoop
+from dualcam.systems.blocks.motor import AK80_6
+from dualcam.systems.machines import elbow
 from system_examples import controller_gains as example
 
 LOOPS = example.Loops(

@@ -17,6 +17,7 @@ from hypothesis import strategies as st
 
 from dualcam import Fmu
 from dualcam.checking import check_design
+from dualcam.common.written_units import quantity
 from dualcam.design import Helix, Mechanism
 from dualcam.design_file import (
     TEMPLATES,
@@ -25,11 +26,10 @@ from dualcam.design_file import (
     read_design,
     write_template,
 )
-from dualcam.design_file.units import quantity
 from dualcam.errors import DesignError, DualcamError
-from dualcam.library import fmu_path
-from dualcam.systems import car_door, elbow, knee
-from dualcam.variables import all_parameters, inputs_of, parameters_of
+from dualcam.fmi.library import fmu_path
+from dualcam.fmi.variables import all_parameters, inputs_of, parameters_of
+from dualcam.systems.machines import car_door, elbow, knee
 
 
 @pytest.fixture

@@ -15,7 +15,7 @@ import dualcam.mujoco
 import dualcam.study
 import dualcam.systems
 
-SYSTEMS = tuple(f"dualcam.systems.{module.name}" for module in pkgutil.iter_modules(dualcam.systems.__path__))
+SYSTEMS = tuple(module.name for module in pkgutil.walk_packages(dualcam.systems.__path__, "dualcam.systems."))
 MODULES = tuple(
     module.name
     for module in pkgutil.walk_packages(dualcam.__path__, "dualcam.")

@@ -15,8 +15,8 @@ from dualcam.checking.values import shown_beside, with_value
 from dualcam.cli import main
 from dualcam.design import HelicalSpring, Pin, Roller, line_contact, wear
 from dualcam.design_file import DesignFileError, read_design, write_template
-from dualcam.durability import wear_words
-from dualcam.report import report_page
+from dualcam.design_file.durability import wear_words
+from dualcam.report.page import report_page
 
 PIN = '[pin]\nradius = "3 mm"\nwidth = "8 mm"\n'
 COIL = '[helical_spring]\nwire_diameter = "5 mm"\ncoil_diameter = "26 mm"\nactive_coils = 7.5\n'

@@ -26,10 +26,10 @@ from dualcam.design_file import DesignFile
 from dualcam.errors import DualcamError, DualcamWarning, FmuError
 from dualcam.export import ExportError, export_fmu, model_identifier
 from dualcam.export.scenario import python_lines
-from dualcam.library import fmu_path
-from dualcam.simulation import simulate
+from dualcam.fmi.library import fmu_path
+from dualcam.fmi.variables import inputs_of
+from dualcam.simulation.run import simulate
 from dualcam.study.scenario import History, Scenario
-from dualcam.variables import inputs_of
 
 DESIGNS = ("helix", "ellipse", "table")
 each = pytest.mark.parametrize

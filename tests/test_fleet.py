@@ -499,7 +499,7 @@ def test_two_threads_on_one_fleet():
 
 
 def test_the_library_of_a_checkout_is_found():
-    from dualcam.library import fleet_library_path
+    from dualcam.fmi.library import fleet_library_path
 
     assert fleet_library_path().is_relative_to(ROOT)
     assert dualcam.Fleet is Fleet

@@ -18,7 +18,9 @@ import pytest
 from driver import ROOT, models
 
 import dualcam
-from dualcam import ContinuousFmu, Fmu, FmuError, RepeatedStart, UnknownVariableError, library, version
+from dualcam import ContinuousFmu, Fmu, FmuError, RepeatedStart, UnknownVariableError
+from dualcam.common import version
+from dualcam.fmi import library
 
 FORWARD, INVERSE = (model.fmu for model in models.values())
 THIRD = FORWARD.parent / "fmi3" / FORWARD.name

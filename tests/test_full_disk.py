@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from dualcam.cli import main
+from dualcam.common.paths import whole_file, write_text
 from dualcam.design import Table
 from dualcam.design_file import write_template
 from dualcam.errors import FileError
-from dualcam.paths import whole_file, write_text
-from dualcam.plots import save
-from dualcam.simulation import simulate
+from dualcam.plots.design import save
+from dualcam.simulation.run import simulate
 
 resource = pytest.importorskip("resource", reason="this system has no limit on the size of files")
 BINARY = 500_000  # bytes: more than an unpacked binary of an FMU, and less than an FMU or a page with a view

@@ -177,7 +177,7 @@ FMU_READS = {
 @pytest.mark.parametrize("name", FMU_READS)
 def test_what_is_called_the_fmus_format_is_what_the_fmu_reads(file, name):
     from dualcam import Fmu, FmuError
-    from dualcam.library import fmu_path
+    from dualcam.fmi.library import fmu_path
 
     path = file(FMU_READS[name])
     with Fmu(fmu_path("forward")) as fmu:

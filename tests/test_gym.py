@@ -20,11 +20,11 @@ from dualcam import Fmu
 from dualcam.errors import DualcamError, FleetError, FmuError, TaskError
 from dualcam.gym import Batch, CarDoorTask, ElbowTask, KneeTask
 from dualcam.gym.knee_task import WALKER, most_drive
-from dualcam.systems import car_door, elbow, knee
-from dualcam.systems.axis import CamAxis
-from dualcam.systems.current_loop import CONTROL_PERIOD, CurrentLoop
-from dualcam.systems.motor_bank import MotorBank
-from dualcam.systems.swing import measured_swing
+from dualcam.systems.blocks.axis import CamAxis
+from dualcam.systems.blocks.current_loop import CONTROL_PERIOD, CurrentLoop
+from dualcam.systems.blocks.motor_bank import MotorBank
+from dualcam.systems.machines import car_door, elbow, knee
+from dualcam.systems.machines.swing import measured_swing
 
 TASKS = {"Elbow": ElbowTask, "Knee": KneeTask, "CarDoor": CarDoorTask}
 MODES = list(AutoresetMode)

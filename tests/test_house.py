@@ -61,7 +61,7 @@ def tree(tmp_path) -> Path:
         {
             "fmu_src/variables.def": "VARIABLE(theta)\n",
             "fmu_src/tools/build.py": "import sys\n\nsys.path.append('.')\n",
-            "dualcam/handle.py": "import os.path\n",
+            "dualcam/fmi/handle.py": "import os.path\n",
             "dualcam/timing.py": "from . import handle\n",
             "benchmarks/harness/timing.py": "import dualcam\n",
             "benchmarks/cost.py": "from benchmarks.harness import timing\n",

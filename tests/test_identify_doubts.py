@@ -11,10 +11,10 @@ from reference.bench import Bench, record, sines
 
 from dualcam import identify
 from dualcam.__main__ import main
+from dualcam.common.unit_guards import torque_factor_warnings
 from dualcam.design_file import read_design, write_template
 from dualcam.errors import IdentificationError
 from dualcam.identification import Recording
-from dualcam.unit_guards import torque_factor_warnings
 
 SPRING = ["friction", "spring.preload", "spring.stiffness"]
 BENCH = Bench(friction=(0.17, 0.17), preload=62.0, stiffness=47e3)

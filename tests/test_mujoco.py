@@ -28,8 +28,8 @@ from dualcam.errors import (
 from dualcam.mujoco import CamJoint, CamSimulation, DriveTrain
 from dualcam.mujoco.torques import CamLaw, shaft_torques
 from dualcam.mujoco.ur3e_elbow import elbow_mjcf
-from dualcam.systems import elbow, robot_arm
-from dualcam.systems.helical_cam import HelicalCam
+from dualcam.systems.blocks.helical_cam import HelicalCam
+from dualcam.systems.machines import elbow, robot_arm
 from system_examples import mujoco_elbow as example
 
 PAGE = (ROOT / "docs/use-mujoco.md").read_text(encoding="utf-8")
@@ -569,7 +569,7 @@ def test_the_extra_is_named_where_mujoco_is_absent():
 @pytest.mark.parametrize("payload", [0.5, 1.5, 3.0])
 @pytest.mark.parametrize("angle", [0.3, 1.0, 1.5])
 def test_the_mjcf_has_the_gravity_and_inertia_of_the_elbow(payload, angle):
-    """Gravity and inertia are those of dualcam.systems.robot_arm, whose wrist stays level."""
+    """Gravity and inertia are those of dualcam.systems.machines.robot_arm, whose wrist stays level."""
     model = mujoco.MjModel.from_xml_string(elbow_mjcf(payload, (0.0, 1.6)))
     data = data_at(model, (angle, -angle))
     mujoco.mj_forward(model, data)

@@ -37,7 +37,7 @@ from dualcam.study.optimisation.record import BATCHES, Record
 from dualcam.study.optimisation.run import facts
 from dualcam.study.reading import schema
 from dualcam.study.sampling.formula import formula
-from dualcam.systems import elbow, knee
+from dualcam.systems.machines import elbow, knee
 
 REST = Scenario(1e-3)
 ANGLES = {"cam1.lead_angle": Vary(0.3, 1.2), "cam2.lead_angle": Vary(0.3, 1.2)}

@@ -27,7 +27,7 @@ from dualcam.coupling import (
     step_difference,
 )
 from dualcam.errors import CouplingError, DualcamError, UnstableCouplingWarning
-from dualcam.systems.motor import AK80_6
+from dualcam.systems.blocks.motor import AK80_6
 
 FORWARD = models["DualCamForward"].fmu
 J, H = 0.002, 1e-3
@@ -563,7 +563,7 @@ def counter():
 
 def test_no_torque_within_the_trials(fmu, monkeypatch):
     """Two trials do not do for a plant that is not linear."""
-    monkeypatch.setattr("dualcam.coupling.ITERATIONS", 2)
+    monkeypatch.setattr("dualcam.coupling.plant_coupling.ITERATIONS", 2)
     fmu.start({**FREE, "initial.omega": 2.0})
     coupling = PlantCoupling(fmu, lambda shaft: -(shaft.omega**3))
     before = coupling.motion()

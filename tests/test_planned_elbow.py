@@ -9,8 +9,8 @@ from driver import ROOT
 from scipy.integrate import solve_bvp, solve_ivp
 
 from dualcam import Fmu
-from dualcam.systems import elbow
-from dualcam.systems.radau_grid import RadauGrid
+from dualcam.systems.blocks.radau_grid import RadauGrid
+from dualcam.systems.machines import elbow
 from system_examples import planned_elbow as example
 
 FORWARD = ROOT / "build/DualCamForward.fmu"

@@ -11,11 +11,11 @@ from scipy.integrate import solve_ivp
 
 from case_studies import prosthetic_knee as report
 from dualcam import Fmu
-from dualcam.systems import knee
-from dualcam.systems.elliptical_cam import NO_CAM, EllipticalCam
-from dualcam.systems.motions import FourierSeries
-from dualcam.systems.pendulum import HingeMotion
-from dualcam.systems.swing import SWING, measured_swing
+from dualcam.systems.blocks.elliptical_cam import NO_CAM, EllipticalCam
+from dualcam.systems.blocks.motions import FourierSeries
+from dualcam.systems.blocks.pendulum import HingeMotion
+from dualcam.systems.machines import knee
+from dualcam.systems.machines.swing import SWING, measured_swing
 from system_examples import prosthetic_knee as example
 
 ROOT = Path(__file__).resolve().parent.parent

@@ -9,7 +9,7 @@ import pint
 import pytest
 
 import dualcam
-from dualcam.arrays import TIME, TRUTH, number_of, real_array
+from dualcam.common.arrays import TIME, TRUTH, number_of, real_array
 from dualcam.design import Helix, Mechanism, Spring, Table, synthesize
 from dualcam.design.hertz import Pin, hertz_pressure
 from dualcam.errors import DualcamError

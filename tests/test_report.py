@@ -9,10 +9,10 @@ from lxml import etree
 
 from dualcam.cli import main
 from dualcam.design_file import read_design
-from dualcam.report import report_page
-from dualcam.report_inputs import input_tables
-from dualcam.simulation import Trajectory
-from dualcam.summary import largest_loads, residual_words, span_words
+from dualcam.report.inputs import input_tables
+from dualcam.report.page import report_page
+from dualcam.report.summary import largest_loads, residual_words, span_words
+from dualcam.simulation.run import Trajectory
 
 HELICES = """\
 title = "Elbow <left> & right"
@@ -137,8 +137,8 @@ def test_inputs_are_complete_with_units(design):
 
 
 def test_axes_of_loads_begin_at_zero(design):
-    from dualcam.durability_plots import plot_contact
-    from dualcam.plots import plot_strength
+    from dualcam.plots.design import plot_strength
+    from dualcam.plots.durability import plot_contact
 
     mechanism = design.mechanism()
     axes = [*plot_strength(mechanism, design.pin).axes, *plot_contact(mechanism, design.pin, 1e9).axes]

@@ -10,14 +10,14 @@ import pytest
 
 from case_studies import robot_joint as report
 from dualcam import Fmu
-from dualcam.systems import elbow
-from dualcam.systems.current_loop import CurrentLoop
-from dualcam.systems.gravity import GravityLoad
-from dualcam.systems.helical_cam import HelicalCam, fit_spring
-from dualcam.systems.motions import PickAndPlace
-from dualcam.systems.motor import AK80_6 as MOTOR
-from dualcam.systems.position_controller import lqi_gains
-from dualcam.systems.robot_arm import ELBOW_SPEED_LIMIT, arm_inertia
+from dualcam.systems.blocks.current_loop import CurrentLoop
+from dualcam.systems.blocks.gravity import GravityLoad
+from dualcam.systems.blocks.helical_cam import HelicalCam, fit_spring
+from dualcam.systems.blocks.motions import PickAndPlace
+from dualcam.systems.blocks.motor import AK80_6 as MOTOR
+from dualcam.systems.blocks.position_controller import lqi_gains
+from dualcam.systems.machines import elbow
+from dualcam.systems.machines.robot_arm import ELBOW_SPEED_LIMIT, arm_inertia
 from system_examples import robot_joint as example
 
 ROOT = Path(__file__).resolve().parent.parent

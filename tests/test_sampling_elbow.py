@@ -13,12 +13,9 @@ from scipy.stats import binom
 
 from dualcam import Fmu
 from dualcam.errors import DualcamError
-from dualcam.systems import elbow
-from dualcam.systems import elbow_controllers as controllers
-from dualcam.systems.axis import CamAxis
-from dualcam.systems.axis_bank import AxisBank
-from dualcam.systems.elbow_controllers import CAM, COUNT, PERIOD, Lqi, Mppi, estimator, informed
-from dualcam.systems.path_integral import (
+from dualcam.systems.blocks.axis import CamAxis
+from dualcam.systems.blocks.axis_bank import AxisBank
+from dualcam.systems.blocks.path_integral import (
     Noise,
     PathIntegralPlanner,
     effective_size,
@@ -27,7 +24,10 @@ from dualcam.systems.path_integral import (
     spline_basis,
     temperature_of,
 )
-from dualcam.systems.payload_filter import Belief, systematic_draw
+from dualcam.systems.machines import elbow
+from dualcam.systems.machines import elbow_controllers as controllers
+from dualcam.systems.machines.elbow_controllers import CAM, COUNT, PERIOD, Lqi, Mppi, estimator, informed
+from dualcam.systems.machines.payload_filter import Belief, systematic_draw
 from system_examples import sampling_elbow as example
 
 PAGE, TABLE = ROOT / "docs/use-sampling-control.md", ROOT / "benchmarks/results/sampling_elbow.csv"

@@ -11,10 +11,10 @@ from scipy.interpolate import CubicSpline
 
 from dualcam import Fmu
 from dualcam.errors import DesignError, DualcamError
-from dualcam.systems import clamp
-from dualcam.systems.clamp import GREASE, HALL, MOTION, NETWORK
-from dualcam.systems.grease import CELSIUS, BaseOil, GreasedContact
-from dualcam.systems.thermal_network import ThermalState, TwoMassNetwork
+from dualcam.systems.blocks.grease import CELSIUS, BaseOil, GreasedContact
+from dualcam.systems.blocks.thermal_network import ThermalState, TwoMassNetwork
+from dualcam.systems.machines import clamp
+from dualcam.systems.machines.clamp import GREASE, HALL, MOTION, NETWORK
 from system_examples import spring_clamp as example
 
 ROOT = Path(__file__).resolve().parent.parent

@@ -20,14 +20,14 @@ from ssp_structures import connections_of, connectors_of
 
 from dualcam import Fmu, FmuError
 from dualcam import ssp as ssp_package
-from dualcam.ssp import split, tag
-from dualcam.systems import car_door, elbow, knee
-from dualcam.systems.current_loop import CURRENT_BANDWIDTH, CURRENT_RATE, CurrentLoop
-from dualcam.systems.gait import DESIGN_WALKER
-from dualcam.systems.motions import FourierSeries
-from dualcam.systems.motor import AK80_6
-from dualcam.systems.pendulum import HingeMotion
-from dualcam.systems.swing import SWING, full_extension
+from dualcam.ssp.package import split, tag
+from dualcam.systems.blocks.current_loop import CURRENT_BANDWIDTH, CURRENT_RATE, CurrentLoop
+from dualcam.systems.blocks.motions import FourierSeries
+from dualcam.systems.blocks.motor import AK80_6
+from dualcam.systems.blocks.pendulum import HingeMotion
+from dualcam.systems.machines import car_door, elbow, knee
+from dualcam.systems.machines.gait import DESIGN_WALKER
+from dualcam.systems.machines.swing import SWING, full_extension
 from system_examples.ssp import __main__ as ssp_run
 from system_examples.ssp import compilation, parts, systems, variables
 from system_examples.ssp.coupling import couple

@@ -12,7 +12,7 @@ from mechanisms import LIFT, MU, PRELOAD, STIFFNESS
 from benchmarks.stick_slip import reference, run
 from benchmarks.stick_slip.scene import INERTIA, SHAFT, STRIBECK, SUDDEN, Scene
 from dualcam import Fmu, linearize
-from dualcam.forward import STICK
+from dualcam.control.forward import STICK
 
 
 @pytest.fixture(scope="module")

@@ -33,7 +33,7 @@ from study_cases import (
 from study_laws import murderous, slow
 
 from dualcam.__main__ import main
-from dualcam.fmu import FmuError
+from dualcam.fmi.fmu import FmuError
 from dualcam.study import Controller, Plan, Scenario, Study, Vary, processes, read_results, read_study
 from dualcam.study.execution import DIED
 from dualcam.study.storage import Folder

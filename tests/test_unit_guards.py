@@ -8,12 +8,12 @@ import pytest
 from driver import ROOT
 
 from dualcam import Fmu
+from dualcam.common.unit_guards import RULES, table_warnings, unit_warnings
 from dualcam.design import Ellipse, Helix, Limits, Mechanism, Pin, Spring, Table, synthesize
 from dualcam.design_file import TEMPLATES, read_design, write_template
 from dualcam.errors import DesignError, UnitWarning
-from dualcam.systems import car_door, elbow, knee
-from dualcam.unit_guards import RULES, table_warnings, unit_warnings
-from dualcam.variables import all_parameters
+from dualcam.fmi.variables import all_parameters
+from dualcam.systems.machines import car_door, elbow, knee
 
 HELIX, SPRING = Helix(0.02, 0.7), Spring(50.0, 50e3)
 

@@ -8,7 +8,7 @@ from driver import ROOT
 from fmpy import simulate_fmu
 
 from dualcam import fmu_path
-from dualcam.unit_guards import unit_warning
+from dualcam.common.unit_guards import unit_warning
 
 WARNING, CATEGORY = 1, b"logStatusWarning"  # fmi2Warning and fmi3Warning
 

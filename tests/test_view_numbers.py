@@ -12,7 +12,7 @@ from view_scenes import CHROMIUM, NODE, READ, SCENES, Scene, numbers, refusals, 
 import dualcam.view
 from dualcam import Fmu
 from dualcam.errors import FmuError
-from dualcam.library import web_path
+from dualcam.fmi.library import web_path
 
 STICK, LOADING, RELEASING, LOWER_STOP, UPPER_STOP = range(1, 6)  # the FMU's `mode`
 

@@ -32,7 +32,7 @@ from benchmarks.harness.timing import Array
 from dualcam import Fmu
 from dualcam.coupling import PlantCoupling, ShaftMotion, reflected_inertia
 from dualcam.errors import UnstableCouplingWarning
-from dualcam.systems.motor import AK80_6
+from dualcam.systems.blocks.motor import AK80_6
 
 GEAR_RATIO = 50.0
 CONSTANT = GEAR_RATIO * AK80_6.torque_constant  # N.m/A at the shaft

@@ -20,7 +20,7 @@ from benchmarks.harness.fmu import Slave
 from benchmarks.harness.timing import Block, in_turns
 from benchmarks.rates.measure import MICROSECOND, Group, Limit, Measure
 from dualcam import Fmu
-from dualcam.fmu import Scalar
+from dualcam.fmi.fmu import Scalar
 
 STEP = 1e-3  # s
 TURNS = 10_000

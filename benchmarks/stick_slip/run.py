@@ -12,8 +12,8 @@ import warnings
 
 from benchmarks.stick_slip.scene import INERTIA, SHAFT, Cycle, Scene
 from dualcam import Fmu
+from dualcam.control.forward import LOADING
 from dualcam.errors import UnitWarning
-from dualcam.forward import LOADING
 
 STEP = 2e-4  # s, of the communication; 1/630 of the natural period
 LONGEST = 10.0  # natural periods of slip without rest, after which a cycle counts as ended

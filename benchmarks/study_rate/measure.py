@@ -26,7 +26,7 @@ from benchmarks.study_rate.study import (
     study,
 )
 from dualcam import Fleet
-from dualcam.fmu import Array
+from dualcam.fmi.fmu import Array
 from dualcam.study.runner import Runner
 
 NAIVE_RUNS = 10

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 
 from benchmarks.harness import core
-from dualcam.fmu import Array
+from dualcam.fmi.fmu import Array
 from dualcam.study import History, Plan, Scenario, Study, Vary
 from dualcam.study.runner import Runner
 

@@ -11,7 +11,7 @@ import re
 from pathlib import Path
 
 from dualcam.design_file.schema import defaults, json_schema, known_keys
-from dualcam.variables import all_parameters
+from dualcam.fmi.variables import all_parameters
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = ROOT / "docs" / "design-file.md"

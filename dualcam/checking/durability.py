@@ -11,7 +11,7 @@ from dualcam.design import HelicalSpring, Limits, Mechanism, find_springs
 from dualcam.design.helical_spring import INDEX
 from dualcam.design.spring_steel import DYNAMIC_GRADES
 from dualcam.design_file import DesignFile
-from dualcam.durability import spring_fatigue, spring_forces, wear_life, wear_of
+from dualcam.design_file.durability import spring_fatigue, spring_forces, wear_life, wear_of
 from dualcam.errors import DesignError
 
 SAME_RATE = 0.03  # relative difference of rates below which both count as equal

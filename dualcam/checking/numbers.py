@@ -13,7 +13,7 @@ from dualcam.design.mechanism import POINTS, Mechanism
 from dualcam.design.strength import strength
 from dualcam.design.torque_band import NOT_LOCKING, span
 from dualcam.design_file import DesignFile
-from dualcam.durability import (
+from dualcam.design_file.durability import (
     RollerNumbers,
     SpringNumbers,
     WearNumbers,

@@ -13,7 +13,7 @@ from dualcam.checking.trouble import ERROR, Remedy, Trouble
 from dualcam.checking.values import value_of, with_value
 from dualcam.design_file import DesignFile, Finding
 from dualcam.errors import DualcamError
-from dualcam.variables import all_parameters
+from dualcam.fmi.variables import all_parameters
 
 PIN_UNITS = {"pin.radius": "m", "pin.width": "m"}
 SMALLEST_RANGE = math.radians(1.0)  # of theta

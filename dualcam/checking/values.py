@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import Any
 
 from dualcam.design_file import DesignFile
-from dualcam.variables import all_parameters
+from dualcam.fmi.variables import all_parameters
 
 TABLES = ("pin", "roller", "helical_spring", "limits")  # of the design file, each an object
 

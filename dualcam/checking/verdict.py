@@ -10,12 +10,12 @@ from dualcam.checking.plausible import implausible
 from dualcam.checking.remedies import Search
 from dualcam.checking.rules import swap_warning, troubles
 from dualcam.checking.trouble import ERROR, WARNING
+from dualcam.common.unit_guards import units_checked_before
 from dualcam.design_file import DesignFile, DesignSource, Finding, as_design
 from dualcam.design_file.toml_text import line_of
 from dualcam.errors import FmuError
-from dualcam.library import fmu_path
-from dualcam.unit_guards import units_checked_before
-from dualcam.variables import inputs_of, unused
+from dualcam.fmi.library import fmu_path
+from dualcam.fmi.variables import inputs_of, unused
 
 UNIT = "unit"  # kind of a warning about a value that looks like another unit
 NO_CAUSE = ("scenario.stop",)  # values that make no error, whatever their unit
@@ -155,7 +155,7 @@ class _Start:
 
 
 def _start_of(design: DesignFile) -> _Start:
-    from dualcam.fmu import Fmu
+    from dualcam.fmi.fmu import Fmu
 
     with Fmu(fmu_path(design.model)) as fmu, units_checked_before():
         try:

@@ -15,7 +15,7 @@ from dualcam.cli.output import keep_files_of, print_json, print_table, require_f
 if TYPE_CHECKING:
     from dualcam.design import TorqueBand
     from dualcam.design_file import DesignFile
-    from dualcam.summary import Largest, LargestLoads
+    from dualcam.report.summary import Largest, LargestLoads
 
 SHOWN = ("theta [deg]", "z [mm]", "load [N.m]", "release [N.m]", "efficiency [%]")
 SHOWN_COLUMNS = (0, 2, 4, 3, 5)
@@ -49,10 +49,10 @@ def command(
     back. Between both the cam rests. The efficiency is release/load. Below 0 the mechanism
     locks itself. The last lines are the largest reaction and, with [pin], the largest contact pressure.
     """
+    from dualcam.common.paths import write_text
     from dualcam.design import torque_band
-    from dualcam.paths import write_text
-    from dualcam.plots import check_picture, plot_band, save
-    from dualcam.summary import largest_loads
+    from dualcam.plots.design import check_picture, plot_band, save
+    from dualcam.report.summary import largest_loads
 
     for path in (output, plot):
         if path is not None:
@@ -99,7 +99,7 @@ def _place(largest: Largest) -> dict[str, Any]:
 
 
 def _tell_loads(loads: LargestLoads, design: DesignFile) -> None:
-    from dualcam.summary import material_words, pressure_words, reaction_words
+    from dualcam.report.summary import material_words, pressure_words, reaction_words
 
     say(f"Largest reaction: {reaction_words(loads.reaction, design.value('contacts'))}.")
     if design.pin is None or loads.pressure is None:
@@ -127,7 +127,7 @@ def _rows(band: TorqueBand) -> np.ndarray:
 
 def _summary(band: TorqueBand) -> str:
     from dualcam.design.torque_band import NOT_LOCKING
-    from dualcam.summary import span_words
+    from dualcam.report.summary import span_words
 
     if not np.isfinite(band.load).all():
         angle = np.degrees(band.theta[~np.isfinite(band.load)][0])

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from dualcam.checking import Verdict
     from dualcam.design import Design, Mechanism
     from dualcam.design_file import DesignFile
-    from dualcam.model_description import Scalar
+    from dualcam.fmi.model_description import Scalar
 
 NUMBER_FIRST = re.compile(r"\s*[+-]?[.,]?\d")
 GROOVE2 = ("equal", "given")
@@ -233,7 +233,7 @@ def _wanted(torque: str) -> float | Path:
         path = Path(torque)
     if path.suffix.lower() in (".csv", ".txt", ".tsv") or path.exists() or not NUMBER_FIRST.match(torque):
         return path
-    from dualcam.design_file.units import quantity
+    from dualcam.common.written_units import quantity
 
     if re.fullmatch(r"[+-]?\d+,\d+", torque.strip()):
         raise DesignError(f"--torque {torque}: a decimal comma: write {torque.replace(',', '.')}")

@@ -29,7 +29,7 @@ class Length(click.ParamType):
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:  # noqa: ANN401
         """The length [m]."""
-        from dualcam.design_file.units import quantity
+        from dualcam.common.written_units import quantity
 
         name = param.opts[0] if param else "length"
         try:

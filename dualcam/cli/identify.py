@@ -73,11 +73,11 @@ def command(
     direction. Columns of the angular velocity (omega_rad/s) and of the axial force (F_ext_N) are optional.
     The table shows the fitted values with 95 % intervals. Warnings say what the data cannot tell apart.
     """
+    from dualcam.common.paths import page_path_of
     from dualcam.errors import IdentificationError
     from dualcam.identification import identify
     from dualcam.identification.unknowns import unknowns_of
-    from dualcam.paths import page_path_of
-    from dualcam.plots import check_picture, save
+    from dualcam.plots.design import check_picture, save
 
     if output is not None and output.resolve() != design_file.resolve():  # which is refused in any case
         refuse_to_overwrite(output, force)
@@ -126,7 +126,7 @@ def _progress(quiet: bool) -> Callable[[str], None]:
 
 
 def _tell(found: Identification) -> None:
-    from dualcam.identification.words import HEADS, rows_of
+    from dualcam.identification.result import HEADS, rows_of
 
     print_table(HEADS, rows_of(found))
     for line in found.summary():

@@ -14,7 +14,7 @@ from dualcam.cli.options import as_json, example
 from dualcam.cli.output import print_json, print_table, say, warn
 
 if TYPE_CHECKING:
-    from dualcam.model_description import DefaultExperiment, ModelDescription, Variable
+    from dualcam.fmi.model_description import DefaultExperiment, ModelDescription, Variable
 
 GROUPS = {
     "input": "Inputs",
@@ -45,9 +45,9 @@ def command(fmu: str, fmi: str | None, variables: str, shows_all: bool, as_json:
     modelDescription.xml are a warning.
     """
     from dualcam.export.edited import edited_start_values
-    from dualcam.library import MODELS, source_path
-    from dualcam.model_description import read_model_description
-    from dualcam.platforms import folders_of
+    from dualcam.fmi.library import MODELS, source_path
+    from dualcam.fmi.model_description import read_model_description
+    from dualcam.fmi.platforms import folders_of
 
     if fmi is not None and fmu not in MODELS:
         raise click.UsageError(

@@ -20,7 +20,7 @@ def command(design_file: Path, output: Path, anyway: bool, as_json: bool) -> Non
 
     The page holds its pictures and needs no network.
     """
-    from dualcam.report import write_report
+    from dualcam.report.page import write_report
 
     require_folder_of(output)
     written = write_report(open_design(design_file, anyway, as_json), output)

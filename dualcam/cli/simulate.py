@@ -12,7 +12,7 @@ from dualcam.cli.output import keep_files_of, print_json, require_folder_of, say
 
 if TYPE_CHECKING:
     from dualcam.design_file import DesignFile
-    from dualcam.simulation import Trajectory
+    from dualcam.simulation.run import Trajectory
 
 AT_END = {"theta": "rad", "omega": "rad/s", "tau": "N.m"}
 SHOWN_FROM = 200_000  # samples from which a bar shows the progress
@@ -43,8 +43,8 @@ def command(
 
     The file's [scenario] says how long, and which torque (or which motion) acts.
     """
-    from dualcam.simulation import checked_format
-    from dualcam.summary import residual_words
+    from dualcam.report.summary import residual_words
+    from dualcam.simulation.run import checked_format
 
     checked_format(output)
     for path in (output, plot):
@@ -73,7 +73,8 @@ def command(
 
 
 def _run(design: DesignFile, names: list[str], fmu: Path | None, quiet: bool) -> Trajectory:
-    from dualcam.simulation import sample_times, simulate
+    from dualcam.design_file.sample_times import sample_times
+    from dualcam.simulation.run import simulate
 
     scenario = design.scenario
     samples = 0 if scenario is None else len(sample_times(scenario.stop, design.output_interval))
@@ -90,7 +91,7 @@ def _run(design: DesignFile, names: list[str], fmu: Path | None, quiet: bool) ->
 def _check_plot(path: Path, names: list[str]) -> None:
     """DualcamError, before the run, for a picture that cannot be drawn or written."""
     from dualcam.errors import DualcamError
-    from dualcam.plots import check_picture
+    from dualcam.plots.design import check_picture
 
     check_picture(path)
     missing = [name for name in ("theta", "tau") if names and name not in names]
@@ -102,7 +103,7 @@ def _check_plot(path: Path, names: list[str]) -> None:
 
 def _draw(design: DesignFile, trajectory: Trajectory, path: Path) -> None:
     from dualcam.design import torque_band
-    from dualcam.plots import plot_simulation, save
+    from dualcam.plots.design import plot_simulation, save
 
     band = torque_band(design.mechanism(), 361)
     save(plot_simulation(trajectory, band, design.title or design.name), path)

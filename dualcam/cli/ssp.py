@@ -30,7 +30,7 @@ def command(design_file: Path, output: Path, step: float, ports: bool, anyway: b
     torque of the scenario is no part of the package. ecos and libcosim load the package only without
     --ports, FMPy only with --ports.
     """
-    from dualcam.library import fmu_path
+    from dualcam.fmi.library import fmu_path
     from dualcam.ssp import export_ssp
 
     require_folder_of(output)

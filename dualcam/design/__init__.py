@@ -17,6 +17,7 @@ Everything here is slow motion without damper, external force and inertia, in SI
 impossible design is a DesignError (a ValueError) that names the angle, the value and what is allowed.
 """
 
+from dualcam.common.module_calls import explain_call_of
 from dualcam.design.cut.cam_body import CamBody
 from dualcam.design.cut.export import export_groove
 from dualcam.design.cut.groove_cut import Curve, Flanks, GrooveCut
@@ -43,7 +44,6 @@ from dualcam.design.synthesis import propose_spring, synthesize
 from dualcam.design.torque_band import TorqueBand, torque_band
 from dualcam.design.wear import Wear, WearLife, WornMechanism, wear
 from dualcam.design.workflow import TorqueCurve, design_groove
-from dualcam.module_calls import explain_call_of
 
 __all__ = [
     "Assessment",

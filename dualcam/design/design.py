@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dualcam.arrays import real_array
+from dualcam.common.arrays import real_array
 from dualcam.design.grooves import Table
 from dualcam.design.mechanism import POINTS, Mechanism
 from dualcam.design.statics import Array, DesignError

@@ -10,9 +10,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from dualcam.common.paths import path_of
 from dualcam.common.tables import ANGLE_NAMES, GROOVE_HEADER, UNITS, Quantity, TableKind, read_table
 from dualcam.design.statics import Array, DesignError
-from dualcam.paths import path_of
 
 DELIMITERS = (";", ",", " ", "\t")
 GROOVE = TableKind(

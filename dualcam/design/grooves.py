@@ -16,13 +16,13 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from dualcam.arrays import real_array
+from dualcam.common.arrays import real_array
+from dualcam.common.paths import write_text
 from dualcam.common.tables import GROOVE_HEADER, fmu_text
+from dualcam.common.unit_guards import table_warnings, unit_warning, units_checked_before, warn_units
 from dualcam.design.groove_files import read_groove
 from dualcam.design.statics import Array, DesignError
 from dualcam.errors import UnitWarning
-from dualcam.paths import write_text
-from dualcam.unit_guards import table_warnings, unit_warning, units_checked_before, warn_units
 
 VERTICAL = 1e-10  # of S: an elliptical groove ends that much before it is vertical, as in the FMU
 STENCIL = 5  # samples that a table's slope at a sample comes from

@@ -22,6 +22,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from dualcam.common.unit_guards import unit_warning, warn_units
 from dualcam.design.spring_steel import (
     DENSITY,
     SHEAR_MODULUS,
@@ -32,7 +33,6 @@ from dualcam.design.spring_steel import (
     tensile_strength,
 )
 from dualcam.design.statics import DesignError, check_numbers
-from dualcam.unit_guards import unit_warning, warn_units
 
 END_COILS = 2.0  # closed and ground ends
 RANGES = {  # least and greatest value with the unit; 2 active coils are the least of EN 13906-1

@@ -18,8 +18,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from dualcam.common.unit_guards import warn_units
 from dualcam.design.statics import DesignError, check_numbers
-from dualcam.unit_guards import warn_units
 
 
 @dataclass(frozen=True)

@@ -21,11 +21,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from dualcam.common.unit_guards import unit_warning, warn_units
 from dualcam.design.hertz import Pin, hertz_pressure
 from dualcam.design.mechanism import POINTS, Mechanism
 from dualcam.design.statics import Array, DesignError
-from dualcam.unit_guards import unit_warning, warn_units
-from dualcam.variables import parameters_of
+from dualcam.fmi.variables import parameters_of
 
 JAM = "jam"
 RANGES = {"spring_safety": (0.01, 100.0), "wear_depth": (1e-9, 1.0), "cycles": (0.0, 1e15)}  # 1, m, 1

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from dualcam.common.unit_guards import units_checked_before, warn_units
 from dualcam.design.design import Design
 from dualcam.design.groove_equation import GrooveProblem, groove_problem
 from dualcam.design.grooves import Groove
@@ -12,7 +13,6 @@ from dualcam.design.proposal import VARIED, SpringProposal, propose, with_propos
 from dualcam.design.statics import DesignError
 from dualcam.design.tabulation import tabulate
 from dualcam.design.torque import WantedTorque
-from dualcam.unit_guards import units_checked_before, warn_units
 
 TOLERANCE = 1e-7  # of the torque of the finished table
 

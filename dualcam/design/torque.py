@@ -9,7 +9,7 @@ from numbers import Real
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dualcam.arrays import real_array
+from dualcam.common.arrays import real_array
 from dualcam.design.statics import Array, DesignError
 
 Torque = Callable[[Array], Array]  # N.m, at theta [rad], of the shape of theta

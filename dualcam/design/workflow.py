@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from dualcam.common.paths import path_of
 from dualcam.common.tables import ANGLE_NAMES, TORQUE_NAMES, Quantity, TableKind, read_table
 from dualcam.design.design import Design
 from dualcam.design.grooves import Groove
@@ -14,7 +15,6 @@ from dualcam.design.mechanism import Spring
 from dualcam.design.statics import Array, DesignError
 from dualcam.design.synthesis import synthesize
 from dualcam.errors import UnitWarning
-from dualcam.paths import path_of
 
 TORQUE = TableKind(
     what="torque file",

@@ -8,11 +8,11 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from dualcam.common.unit_guards import units_checked_before
 from dualcam.design_file.findings import Finding
 from dualcam.errors import DesignError
-from dualcam.model_description import Scalar
-from dualcam.unit_guards import units_checked_before
-from dualcam.variables import all_parameters, parameters_of
+from dualcam.fmi.model_description import Scalar
+from dualcam.fmi.variables import all_parameters, parameters_of
 
 if TYPE_CHECKING:
     from dualcam.design import Groove, HelicalSpring, Limits, Mechanism, Pin, Roller

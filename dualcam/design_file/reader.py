@@ -7,16 +7,18 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from dualcam.common.paths import path_of
+from dualcam.common.unit_guards import table_warnings, unit_warning, units_checked_before
 from dualcam.design_file.design import DesignFile, SpringLimits
 from dualcam.design_file.findings import ERROR, WARNING, DesignFileError, Finding
 from dualcam.design_file.fmu_tables import fmu_friction, fmu_groove
 from dualcam.design_file.friction_tables import ANALYTIC_FRICTION
 from dualcam.design_file.keys import unknown_key
+from dualcam.design_file.sample_times import sample_times
+from dualcam.design_file.sections import check_section
 from dualcam.design_file.toml_text import line_of, lines_of_keys, parse, read_text
 from dualcam.errors import DualcamError
-from dualcam.paths import path_of
-from dualcam.unit_guards import table_warnings, unit_warning, units_checked_before
-from dualcam.variables import all_parameters, inputs_of
+from dualcam.fmi.variables import all_parameters, inputs_of
 
 ANY_INPUT = ("F_ext",)  # inputs of both models
 
@@ -133,15 +135,9 @@ class _Reading:
             lines=self.lines,
         )
         if design.study is not None:
-            self._check_study(design, scenario_table is not None and scenario is None)
+            is_scenario_refused = scenario_table is not None and scenario is None
+            self.attempt("study", lambda: check_section("study", design, is_scenario_refused))
         return design
-
-    def _check_study(self, design: DesignFile, is_scenario_refused: bool) -> None:
-        from dualcam.study.optimisation.reading import check_search_section, is_search
-        from dualcam.study.reading.study_file import check_section
-
-        check = check_search_section if is_search({"study": design.study}) else check_section
-        self.attempt("study", lambda: check(design, is_scenario_refused))
 
     def _is_refused(self, prefix: str) -> bool:
         """Whether the schema refuses this key or one in this table."""
@@ -317,8 +313,6 @@ class _Reading:
         return "inverse" if by_model["inverse"] else "forward"
 
     def _check_output_interval(self, stop: float, interval: float | None) -> None:
-        from dualcam.simulation import sample_times
-
         try:
             sample_times(stop, interval)
         except DualcamError as error:

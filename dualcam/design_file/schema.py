@@ -19,10 +19,10 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
-from dualcam.design_file.units import quantity
+from dualcam.common.unit_guards import unit_warning
+from dualcam.common.written_units import quantity
 from dualcam.errors import DesignError
-from dualcam.unit_guards import unit_warning
-from dualcam.variables import SettableVariable, all_inputs, all_parameters
+from dualcam.fmi.variables import SettableVariable, all_inputs, all_parameters
 
 PROFILES = {"helix": 1, "ellipse": 2, "table": 3}
 SHAPES = ("linear", "smooth")

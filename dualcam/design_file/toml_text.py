@@ -8,8 +8,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from dualcam.common.paths import near_names
 from dualcam.design_file.findings import ERROR, DesignFileError, Finding
-from dualcam.paths import near_names
 
 LARGEST = 4 * 1024 * 1024  # bytes
 DEEPEST = 50  # tables and lists inside one another: readers call themselves for each level

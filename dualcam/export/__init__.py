@@ -5,12 +5,14 @@
 
 No compiler is needed. Start values edited in a modelDescription.xml do nothing by themselves: an FMU starts
 from the values in its binary. The export writes both.
+
+May import common, fmi, design, design_file, plots.
 """
 
+from dualcam.common.module_calls import explain_call_of
 from dualcam.errors import ExportError
 from dualcam.export.exporter import Design, export_fmu
 from dualcam.export.names import model_identifier
-from dualcam.module_calls import explain_call_of
 
 __all__ = ["Design", "ExportError", "export_fmu", "model_identifier"]
 

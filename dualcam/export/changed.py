@@ -16,7 +16,7 @@ from dualcam.export.scenario import FILE as SCENARIO_FILE
 from dualcam.export.sources import FOLDER as SOURCES_FOLDER
 from dualcam.export.sources import exported_sources
 from dualcam.export.start_block import MARK, replace_start_values
-from dualcam.model_description import XML, Scalar
+from dualcam.fmi.model_description import XML, Scalar
 
 PAGE, BINARIES, RESOURCES = "documentation/index.html", "binaries/", "resources/"
 # Members that hold the start values, or results of a run from them.

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dualcam.errors import FmuError
-from dualcam.fmu import Fmu
-from dualcam.model_description import Scalar
-from dualcam.variables import parameters_of
+from dualcam.fmi.fmu import Fmu
+from dualcam.fmi.model_description import Scalar
+from dualcam.fmi.variables import parameters_of
 
 Array = NDArray[np.float64]
 

@@ -13,7 +13,7 @@ from xml.parsers import expat
 from xml.sax.saxutils import escape
 
 from dualcam.errors import ExportError
-from dualcam.model_description import Scalar
+from dualcam.fmi.model_description import Scalar
 
 AGAIN = "the project's FMU is of another version of dualcam: install dualcam again, or build the FMUs again"
 

@@ -6,8 +6,8 @@ from pathlib import Path
 
 from dualcam.errors import DualcamError
 from dualcam.export.start_block import StartValues, read_start_values
-from dualcam.model_description import ModelDescription, Variable
-from dualcam.platforms import own_binary
+from dualcam.fmi.model_description import ModelDescription, Variable
+from dualcam.fmi.platforms import own_binary
 
 
 def edited_start_values(path: Path, description: ModelDescription) -> list[str]:

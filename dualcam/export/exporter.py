@@ -9,7 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
-from dualcam.archive import read_members, write_archive
+from dualcam.common.archive import read_members, write_archive
+from dualcam.common.unit_guards import units_checked_before
 from dualcam.design_file import as_design
 from dualcam.errors import DualcamWarning, ExportError
 from dualcam.export.changed import PAGE, Change, changed_members
@@ -22,11 +23,10 @@ from dualcam.export.reference import Reference, reference_result
 from dualcam.export.related_files import exported_related_files
 from dualcam.export.scenario import FILE as SCENARIO_FILE
 from dualcam.export.scenario import scenario_for, scenario_table, scenario_text
-from dualcam.fmu import Fmu
-from dualcam.library import MODELS, fmu_path
-from dualcam.model_description import XML, Scalar
-from dualcam.unit_guards import units_checked_before
-from dualcam.variables import all_parameters, inputs_of, parameters_of, unused
+from dualcam.fmi.fmu import Fmu
+from dualcam.fmi.library import MODELS, fmu_path
+from dualcam.fmi.model_description import XML, Scalar
+from dualcam.fmi.variables import all_parameters, inputs_of, parameters_of, unused
 
 if TYPE_CHECKING:
     from dualcam.study.scenario import Scenario

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from dualcam.common.svg import figure_element
 from dualcam.export.curves import Array, Curves
 from dualcam.export.reference import Reference
-from dualcam.plots import ANGLE, BLUE, GREY, ORANGE, axis_from_zero, figure, legend_above
-from dualcam.svg import figure_element
+from dualcam.plots.design import ANGLE, BLUE, GREY, ORANGE, axis_from_zero, figure, legend_above
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+from dualcam.common.paths import path_of
 from dualcam.errors import ExportError
-from dualcam.paths import path_of
 
 SUFFIX = ".fmu"
 

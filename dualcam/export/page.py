@@ -9,7 +9,7 @@ from html import escape
 
 from dualcam.errors import ExportError
 from dualcam.export.description import AGAIN, Description, VariableTag, number_text
-from dualcam.model_description import Scalar
+from dualcam.fmi.model_description import Scalar
 
 FIGURES = """\
 <div class="figures" id="figures">

@@ -10,7 +10,7 @@ from itertools import pairwise
 from dualcam.errors import ExportError, FmuError
 from dualcam.export.curves import Curves
 from dualcam.export.description import number_text
-from dualcam.fmu import Fmu
+from dualcam.fmi.fmu import Fmu
 
 PERIOD = 0.01  # s
 SHARE_OF_TORQUE = 0.8  # of the largest torque that loads: the run stays below the upper stop

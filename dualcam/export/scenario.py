@@ -9,7 +9,7 @@ from html import escape
 from typing import TYPE_CHECKING
 
 from dualcam.export.description import Scalar, number_text
-from dualcam.variables import inputs_of
+from dualcam.fmi.variables import inputs_of
 
 if TYPE_CHECKING:
     from dualcam.study.scenario import Scenario, Step

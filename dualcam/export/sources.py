@@ -7,7 +7,7 @@ from collections.abc import Mapping
 
 from dualcam.errors import ExportError
 from dualcam.export.description import AGAIN
-from dualcam.model_description import Scalar
+from dualcam.fmi.model_description import Scalar
 
 FOLDER = "sources/"
 VARIABLES = FOLDER + "variables.def"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from dualcam.arrays import Array, positive_number
+from dualcam.common.arrays import Array, positive_number
 from dualcam.errors import FmuError
 
 TOLERANCES = "a finite number > 0, or None"

@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dualcam.binary import Unpacked, interface_of, library_file, load, unload
 from dualcam.errors import FleetError, FmuError
 from dualcam.fleet.native import (
     ALL_FAILED,
@@ -23,7 +22,8 @@ from dualcam.fleet.native import (
     functions_of,
     native,
 )
-from dualcam.model_description import ModelDescription
+from dualcam.fmi.binary import Unpacked, interface_of, library_file, load, unload
+from dualcam.fmi.model_description import ModelDescription
 
 CLOSED = "this fleet is closed: open a new one"
 BUSY = "this fleet is at work in another thread: one call at a time"

@@ -14,7 +14,9 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from dualcam.arrays import Array, number_of, positive_number, real_array
+from dualcam.common.arrays import Array, number_of, positive_number, real_array
+from dualcam.common.process_bound import ProcessBound
+from dualcam.common.unit_guards import warn_units
 from dualcam.errors import FleetError, FmuError, UnknownVariableError
 from dualcam.fleet.arguments import (
     chosen_instances,
@@ -27,11 +29,9 @@ from dualcam.fleet.core import Core, NotFiniteError
 from dualcam.fleet.native import Ports, address, pointer_to
 from dualcam.fleet.state import FleetState
 from dualcam.fleet.values import NUMBERS, FleetValue, Layout
-from dualcam.handle import OWN_NAMES, names_of, unknown_variable
-from dualcam.library import source_path
-from dualcam.model_description import Variable, read_model_description
-from dualcam.process_bound import ProcessBound
-from dualcam.unit_guards import warn_units
+from dualcam.fmi.handle import OWN_NAMES, names_of, unknown_variable
+from dualcam.fmi.library import source_path
+from dualcam.fmi.model_description import Variable, read_model_description
 
 MOST_THREADS = 256
 GETTERS = {"real": "fleet_get_reals", "integer": "fleet_get_integers", "boolean": "fleet_get_booleans"}

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dualcam.errors import FmuError
-from dualcam.library import fleet_library_path
+from dualcam.fmi.library import fleet_library_path
 
 TEXT = 512  # FLEET_TEXT
 FATAL, NOT_FINITE, ALL_FAILED = -1, -2, -3  # FLEET_FATAL, FLEET_NOT_FINITE, FLEET_ALL_FAILED

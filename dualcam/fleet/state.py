@@ -7,9 +7,9 @@ import weakref
 import numpy as np
 from numpy.typing import NDArray
 
-from dualcam.arrays import Array
+from dualcam.common.arrays import Array
+from dualcam.common.process_bound import ProcessBound
 from dualcam.fleet.core import Core
-from dualcam.process_bound import ProcessBound
 
 
 class FleetState(ProcessBound):

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from dualcam.arrays import real_array
+from dualcam.common.arrays import real_array
 from dualcam.errors import FmuError
 from dualcam.fleet.native import Values, address
-from dualcam.handle import suitable_value
-from dualcam.model_description import Kind, Variable
+from dualcam.fmi.handle import suitable_value
+from dualcam.fmi.model_description import Kind, Variable
 
 NUMBERS: dict[Kind, type[np.generic]] = {"real": np.float64, "integer": np.intc, "boolean": np.intc}
 KINDS: tuple[Kind, ...] = ("real", "integer", "boolean", "string")

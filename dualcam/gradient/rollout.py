@@ -12,14 +12,14 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dualcam.arrays import Array, positive_number, real_array
+from dualcam.common.arrays import Array, positive_number, real_array
+from dualcam.common.process_bound import ProcessBound, ProcessLock
 from dualcam.errors import FmuError, UnknownVariableError
 from dualcam.fleet import Fleet
 from dualcam.fleet.values import FleetValue
-from dualcam.handle import names_of
-from dualcam.library import source_path
-from dualcam.model_description import ModelDescription, read_model_description
-from dualcam.process_bound import ProcessBound, ProcessLock
+from dualcam.fmi.handle import names_of
+from dualcam.fmi.library import source_path
+from dualcam.fmi.model_description import ModelDescription, read_model_description
 
 STATES, INPUTS = ("theta", "omega"), ("tau", "F_ext")
 INITIAL = ("initial.theta", "initial.omega")

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dualcam.errors import DualcamError
+from dualcam.fmi.reals import Array
 from dualcam.gradient.rollout import DifferentiableFleet
-from dualcam.reals import Array
 
 if TYPE_CHECKING:
     from jax import Array as JaxArray

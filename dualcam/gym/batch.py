@@ -7,14 +7,14 @@ from typing import NamedTuple, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from dualcam.arrays import real_array
+from dualcam.common.arrays import real_array
 from dualcam.errors import FleetError, TaskError
 from dualcam.fleet import Fleet
+from dualcam.fmi.reals import Array
 from dualcam.gym.task import Motion, Scene, Task
-from dualcam.reals import Array
-from dualcam.systems.axis import angle_amid
-from dualcam.systems.current_loop import CONTROL_PERIOD
-from dualcam.systems.motor_bank import MotorBank
+from dualcam.systems.blocks.axis import angle_amid
+from dualcam.systems.blocks.current_loop import CONTROL_PERIOD
+from dualcam.systems.blocks.motor_bank import MotorBank
 
 OUTPUTS = ("theta", "omega", "energy.heat_stop")
 

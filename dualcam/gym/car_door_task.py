@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from dualcam.fmi.reals import Array
 from dualcam.gym.task import (
     Motion,
     Quantity,
@@ -19,10 +20,9 @@ from dualcam.gym.task import (
     spread,
     torque_entry,
 )
-from dualcam.reals import Array
-from dualcam.systems import car_door
-from dualcam.systems.axis import CamGear
-from dualcam.systems.gravity import GravityLoad
+from dualcam.systems.blocks.axis import CamGear
+from dualcam.systems.blocks.gravity import GravityLoad
+from dualcam.systems.machines import car_door
 
 ENDS = (math.radians(1.0), math.radians(65.0))  # rad, of start and target
 SCENE = ("mass", "friction", "pitch", "roll", "start", "target")

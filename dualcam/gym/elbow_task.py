@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from dualcam.fmi.reals import Array
 from dualcam.gym.task import (
     Motion,
     Quantity,
@@ -18,10 +19,9 @@ from dualcam.gym.task import (
     spread,
     torque_entry,
 )
-from dualcam.reals import Array
-from dualcam.systems import elbow
-from dualcam.systems.axis import CamGear
-from dualcam.systems.motor import AK80_6
+from dualcam.systems.blocks.axis import CamGear
+from dualcam.systems.blocks.motor import AK80_6
+from dualcam.systems.machines import elbow
 
 ENDS = (elbow.CLEARANCE, elbow.RANGE - elbow.CLEARANCE)  # rad, of start and target
 SCENE = ("payload", "friction", "start", "target")

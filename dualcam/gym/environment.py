@@ -8,14 +8,14 @@ import gymnasium
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from dualcam.arrays import real_array
+from dualcam.common.arrays import real_array
 from dualcam.errors import TaskError
+from dualcam.fmi.reals import Array
 from dualcam.gym.batch import TERMS, Batch, Outcome
 from dualcam.gym.car_door_task import CarDoorTask
 from dualcam.gym.elbow_task import ElbowTask
 from dualcam.gym.knee_task import KneeTask
 from dualcam.gym.task import Range, Task
-from dualcam.reals import Array
 
 
 def observation_space(task: Task) -> gymnasium.Space[Array]:

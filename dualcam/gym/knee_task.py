@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from dualcam.fmi.reals import Array
 from dualcam.gym.task import (
     Motion,
     Quantity,
@@ -20,13 +21,12 @@ from dualcam.gym.task import (
     spread,
     torque_entry,
 )
-from dualcam.reals import Array
-from dualcam.systems import knee
-from dualcam.systems.axis import CamGear
-from dualcam.systems.current_loop import CONTROL_PERIOD
-from dualcam.systems.elliptical_cam import EllipticalCam
-from dualcam.systems.gait import DESIGN_WALKER
-from dualcam.systems.swing import measured_swing
+from dualcam.systems.blocks.axis import CamGear
+from dualcam.systems.blocks.current_loop import CONTROL_PERIOD
+from dualcam.systems.blocks.elliptical_cam import EllipticalCam
+from dualcam.systems.machines import knee
+from dualcam.systems.machines.gait import DESIGN_WALKER
+from dualcam.systems.machines.swing import measured_swing
 
 WALKER = DESIGN_WALKER
 SLOWEST, FASTEST, CADENCES = 0.8, 1.2, 41  # share of the self-selected cadence, in steps of 1 %
@@ -224,7 +224,7 @@ def design_cam() -> EllipticalCam:
     Returns
     -------
     EllipticalCam
-        That of `dualcam.systems.knee.design_cam`.
+        That of `dualcam.systems.machines.knee.design_cam`.
     """
     return knee.design_cam()
 

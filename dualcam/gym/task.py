@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dualcam.errors import TaskError
-from dualcam.reals import Array
-from dualcam.systems.axis import CamGear
-from dualcam.systems.motor import Motor
+from dualcam.fmi.reals import Array
+from dualcam.systems.blocks.axis import CamGear
+from dualcam.systems.blocks.motor import Motor
 
 OVERSHOOT = 1.05  # of the peak torque: room for rounding, and for the current after a limit of the voltage
 Scene = dict[str, Array]
@@ -58,7 +58,7 @@ def torque_entry(motor: Motor) -> Quantity:
     Examples
     --------
     >>> from dualcam.gym.task import torque_entry
-    >>> from dualcam.systems.motor import AK80_6
+    >>> from dualcam.systems.blocks.motor import AK80_6
     >>> torque_entry(AK80_6).name, torque_entry(AK80_6).unit
     ('torque', 'N.m')
     """

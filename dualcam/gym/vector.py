@@ -14,13 +14,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from dualcam.errors import TaskError
 from dualcam.fleet.arguments import whole_number
+from dualcam.fmi.reals import Array
 from dualcam.gym.batch import Batch
 from dualcam.gym.car_door_task import CarDoorTask
 from dualcam.gym.elbow_task import ElbowTask
 from dualcam.gym.environment import action_space, checked_actions, observation_space, terms_of
 from dualcam.gym.knee_task import KneeTask
 from dualcam.gym.task import Range, Task
-from dualcam.reals import Array
 
 Flags = NDArray[np.bool_]
 Infos = dict[str, Any]

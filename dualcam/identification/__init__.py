@@ -10,8 +10,9 @@ fitted_names        what can be fitted
 
 from dualcam.identification.ambiguity import Ambiguity
 from dualcam.identification.fit import identify
+from dualcam.identification.identification import Identification
 from dualcam.identification.recording import Recording, read_recording
-from dualcam.identification.result import FittedParameter, Identification
+from dualcam.identification.result import FittedParameter
 from dualcam.identification.unknowns import fitted_names
 
 __all__ = [

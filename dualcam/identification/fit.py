@@ -14,11 +14,12 @@ from numpy.typing import NDArray
 from dualcam.design_file import DesignSource, as_design
 from dualcam.errors import FmuError, IdentificationError
 from dualcam.identification.ambiguity import Ambiguity, ambiguities_of, exchangeable_cams
+from dualcam.identification.identification import Identification
 from dualcam.identification.lack_of_fit import lack_of_fit
 from dualcam.identification.least_squares import Problem, Solution
 from dualcam.identification.motion import AUTO, Motion, motion_of
 from dualcam.identification.recording import Recording, read_recording
-from dualcam.identification.result import AT_LIMIT, KNOWN, OPEN, FittedParameter, Identification
+from dualcam.identification.result import AT_LIMIT, KNOWN, OPEN, FittedParameter
 from dualcam.identification.smoothing import NARROWEST, noise_between, noise_of
 from dualcam.identification.torque_model import TorqueModel
 from dualcam.identification.unknowns import DEFAULT, Unknown, unknowns_of

@@ -6,23 +6,24 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from dualcam.checking import check_design
+from dualcam.common.paths import path_of, write_text
 from dualcam.design_file import read_design
 from dualcam.design_file.toml_text import ENTRY, HEADER, line_of, lines_of_keys, read_text
 from dualcam.errors import DualcamError, IdentificationError
+from dualcam.identification.doubts import recording_faults
+from dualcam.identification.result import OPEN
 from dualcam.identification.unknowns import GROUPS
-from dualcam.identification.words import OPEN
-from dualcam.paths import path_of, write_text
 
 if TYPE_CHECKING:
-    from dualcam.identification.result import FittedParameter, Identification
+    from dualcam.identification.result import Fit, FittedParameter
 
 
-def write_fitted(found: Identification, path: str | Path) -> Path:
+def write_fitted(found: Fit, path: str | Path) -> Path:
     """Write the design file of an identification with the fitted values.
 
     Parameters
     ----------
-    found : Identification
+    found : Fit
         The result.
     path : str or Path
         The new file. Relative paths of groove tables count from its folder.
@@ -45,7 +46,7 @@ def write_fitted(found: Identification, path: str | Path) -> Path:
     source = found.design.path
     if path.resolve() == source.resolve():
         raise IdentificationError(f"{path} is the design of the start values: give another name")
-    if faults := found.recording_faults():
+    if faults := recording_faults(found):
         raise IdentificationError(f"{path} is not written. {faults[0]}")
     existing = path.read_bytes() if path.exists() else None
     write_text(path, _text(found, read_text(source)))
@@ -60,7 +61,7 @@ def write_fitted(found: Identification, path: str | Path) -> Path:
     return path
 
 
-def _text(found: Identification, text: str) -> str:
+def _text(found: Fit, text: str) -> str:
     """The text of the design file, with the lines of fitted values replaced or added."""
     for parameter in found.parameters:
         for key in parameter.keys:
@@ -68,7 +69,7 @@ def _text(found: Identification, text: str) -> str:
     return text
 
 
-def _line(key: str, parameter: FittedParameter, found: Identification) -> str:
+def _line(key: str, parameter: FittedParameter, found: Fit) -> str:
     """A line of the file. The number is the shortest that reads as the fitted value again."""
     name = key.rpartition(".")[2]
     unit = "" if parameter.unit == "1" else f" {parameter.unit}"
@@ -101,7 +102,7 @@ def _with_value(text: str, key: str, line: str) -> str:
     return "\n".join([*lines[:table], line, *lines[table:]])
 
 
-def _check(found: Identification, path: Path) -> None:
+def _check(found: Fit, path: Path) -> None:
     """An error unless the written file has the fitted values, and the others of the design."""
     design = read_design(path)
     read = design.parameters

@@ -7,14 +7,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import dualcam
-from dualcam.html_page import page, table
+from dualcam.common.html_page import page, table
+from dualcam.common.paths import page_path_of, write_text
+from dualcam.common.svg import figure_element
+from dualcam.identification.doubts import doubts_of
 from dualcam.identification.picture import plot_identification
-from dualcam.identification.words import HEADS, OPEN, rows_of
-from dualcam.paths import page_path_of, write_text
-from dualcam.svg import figure_element
+from dualcam.identification.result import HEADS, OPEN, rows_of
 
 if TYPE_CHECKING:
-    from dualcam.identification.result import Identification
+    from dualcam.identification.result import Fit
 
 CAPTION = (
     "Where the cam slips, the residual is the fitted torque minus the measured one. At rest friction can"
@@ -23,20 +24,20 @@ CAPTION = (
 )
 
 
-def write_page(found: Identification, path: str | Path) -> Path:
+def write_page(found: Fit, path: str | Path) -> Path:
     """Write the page. DualcamError for another ending than .html."""
     path = page_path_of(path, "the report")
     write_text(path, _page(found))
     return path
 
 
-def _page(found: Identification) -> str:
+def _page(found: Fit) -> str:
     design, recording = found.design, found.recording
     lead = (
         f"Identification by dualcam {dualcam.__version__} from {recording.source}, start values from"
         f" {design.path.name}"
     )
-    doubts = "".join(f'<li class="warning">{escape(text)}</li>\n' for text in found.warnings())
+    doubts = "".join(f'<li class="warning">{escape(text)}</li>\n' for text in doubts_of(found))
     content = [
         "<h2>Fitted values</h2>\n",
         _numbers(table(HEADS, rows_of(found))),
@@ -52,7 +53,7 @@ def _page(found: Identification) -> str:
     return page(design.title or design.name, "dual cam identification", lead, "".join(content))
 
 
-def _correlation(found: Identification) -> str:
+def _correlation(found: Fit) -> str:
     names = [parameter.name for parameter in found.parameters]
     rows = [
         [name, *(f"{value:+.3f}" for value in row)]

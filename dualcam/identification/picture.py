@@ -7,21 +7,21 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dualcam.plots import ANGLE, BLUE, GREY, ORANGE, figure, legend_above
+from dualcam.plots.design import ANGLE, BLUE, GREY, ORANGE, figure, legend_above
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
-    from dualcam.identification.result import Identification
+    from dualcam.identification.result import Fit
 
 DIRECTIONS = ((1, "loading", ORANGE), (-1, "releasing", BLUE), (0, "at rest or reversing", GREY))
 MARK = 8.0  # points: a mark of the legend
 MOST_DOTS = 4000  # more make an SVG slow
 
 
-def plot_identification(found: Identification) -> Figure:
+def plot_identification(found: Fit) -> Figure:
     """Four plots, one below the other, of the samples by direction."""
     from matplotlib.lines import Line2D
 
@@ -61,7 +61,7 @@ def plot_identification(found: Identification) -> Figure:
 
 def _draw(
     axes: Axes,
-    found: Identification,
+    found: Fit,
     x: NDArray[np.float64],
     y: NDArray[np.float64],
     shown: NDArray[np.bool_],

@@ -10,10 +10,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dualcam.arrays import REAL, TIME, Array, real_array
+from dualcam.common.arrays import REAL, TIME, Array, real_array
+from dualcam.common.paths import path_of
 from dualcam.common.tables import ANGLE_NAMES, TORQUE_NAMES, Quantity, TableKind, read_table
 from dualcam.errors import IdentificationError, UnitWarning
-from dualcam.paths import path_of
 
 LEAST_ROWS = 20
 RECORDING = TableKind(

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,21 +15,15 @@ from dualcam.identification.ambiguity import Ambiguity
 from dualcam.identification.lack_of_fit import Lever, Missing
 from dualcam.identification.motion import Motion
 from dualcam.identification.recording import Recording
-from dualcam.identification.smoothing import NORMAL
-from dualcam.unit_guards import torque_factor_warnings
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    pass
 
 Array = NDArray[np.float64]
 
 KNOWN, AT_LIMIT, OPEN = "known", "at its limit", "not determined"
-WELL = 1.2  # RMS of residuals over noise, up to which the model explains the recording
-EXACT = 1e-3  # residual over torque, below which nothing is missing
 MOST_DECIMALS = 7
-FAR = 6.0  # standard deviations, from which a sample may be a fault
-CLOSE = 0.95  # correlation from which two values are named
-SMOOTH = 0.1  # noise of alpha over its RMS, from which inertias come out too small
+HEADS = ("parameter", "start", "fitted", "95 % interval", "unit")
 
 
 @dataclass(frozen=True)
@@ -98,40 +91,8 @@ class FittedParameter:
 
 
 @dataclass(frozen=True, eq=False)
-class Identification:
-    """The result of `identify`. Indexing by a name gives the fitted parameter.
-
-    Attributes
-    ----------
-    design : DesignFile
-        The design of the start values.
-    recording : Recording
-        All samples.
-    motion : Motion
-        Motion at the samples that count.
-    time, measured : ndarray, shape (n,)
-        Time [s] and measured torque [N.m] of these samples.
-    low, high : ndarray, shape (n,)
-        Limits of the fitted model's torque [N.m]; both are alike where the cam slips.
-    before : ndarray, shape (n,)
-        Torque of the model with the start values that is nearest to the measured torque [N.m].
-    residual : ndarray, shape (n,)
-        Fitted minus measured torque [N.m]; 0 where a torque at rest is allowed.
-    sliding_speed : ndarray, shape (n,)
-        Sliding speed of the faster contact [m/s].
-    noise : float
-        Standard deviation of the noise of the measured torque [N.m], from neighbouring samples.
-    parameters : tuple of FittedParameter
-        In the order of `fit`.
-    correlation : ndarray, shape (p, p)
-        Correlation of the fitted values.
-    ambiguities : tuple of Ambiguity
-        What the data cannot tell apart.
-    missing : tuple of Missing
-        Values outside of the fit that the residuals ask for, the best one first; see `lack_of_fit`.
-    levers : tuple of Lever
-        Fitted values that a small error of a held value would change strongly.
-    """
+class Fit:
+    """The numbers of a fit, as Identification documents them."""
 
     design: DesignFile
     recording: Recording
@@ -165,12 +126,12 @@ class Identification:
     @property
     def rms(self) -> float:
         """RMS of the residual where the cam slips [N.m]."""
-        return _rms(self.residual[self.slips])
+        return rms_of(self.residual[self.slips])
 
     @property
     def rms_before(self) -> float:
         """The same for the start values [N.m]."""
-        return _rms((self.before - self.measured)[self.slips])
+        return rms_of((self.before - self.measured)[self.slips])
 
     def summary(self) -> list[str]:
         """What the recording is, and how well the model explains the recording, line by line."""
@@ -190,153 +151,26 @@ class Identification:
             f"noise of the torque {self.noise:.3g} N.m, of the angle {motion.theta_noise:.2g} rad",
         ]
 
-    def warnings(self) -> list[str]:
-        """What the data cannot tell apart, and other doubts."""
-        from dualcam.identification.words import asked_for, levers_of, weak_parts
-
-        if gross := self.recording_faults():
-            return gross  # all else follows from the fault
-        found = torque_factor_warnings(self._factor(), self.recording.torque_unit)
-        if not found:  # after another unit the shape of the residuals says little
-            found += asked_for(self)
-        found += [str(ambiguity) for ambiguity in self.ambiguities]
-        found += [text for one in self.parameters if (text := one.limit_text)]
-        found += levers_of(self)
-        found += weak_parts(self)
-        found += self._close_pairs()
-        found += self._outliers()
-        if self.rms > max(WELL * self.noise, EXACT * _rms(self.measured)):
-            found.append(
-                f"The residual is {self.rms / self.noise:.2g} times the noise: the model lacks something. The"
-                " residuals over angle and speed show what"
-            )
-        motion = self.motion
-        inertias = [one.name for one in self.parameters if one.name.startswith("inertia.")]
-        if inertias and motion.alpha_noise > SMOOTH * motion.alpha_rms:
-            found.append(
-                f"The acceleration has noise of {motion.alpha_noise:.2g} rad/s2 at an RMS of"
-                f" {motion.alpha_rms:.2g} rad/s2: {' and '.join(inertias)} may come out too small. Give a"
-                " longer window, or measure the speed"
-            )
-        return found
-
-    def recording_faults(self) -> list[str]:
-        """What makes the recording useless as read: another unit of time, or a torque of opposite sign."""
-        if question := self.motion.time_question(float(np.ptp(self.recording.time))):
-            return [question]
-        slips = self.slips
-        if np.mean(self.measured[slips]) * np.mean(self.before[slips]) >= 0.0:
-            return []
-        return [
-            "The measured torque has the opposite sign of the design's: is the torque positive in the"
-            " loading direction? Change the sign of the torque in the recording"
-        ]
-
-    def _factor(self) -> float:
-        """RMS of the measured torque over that of the start values, where the cam slips."""
-        before = _rms(self.before[self.slips])
-        return _rms(self.measured[self.slips]) / before if before else math.nan
-
-    def _close_pairs(self) -> list[str]:
-        known = [k for k, one in enumerate(self.parameters) if one.status != OPEN]
-        return [
-            f"{self.parameters[i].name} and {self.parameters[k].name} have a correlation of"
-            f" {self.correlation[i, k]:.3f}: an error of one is an error of the other"
-            for i in known
-            for k in known
-            if i < k and abs(self.correlation[i, k]) > CLOSE
-        ]
-
-    def _outliers(self) -> list[str]:
-        """A warning where single samples are far from the others."""
-        usual = NORMAL * float(np.median(np.abs(self.residual[self.slips])))
-        far = np.flatnonzero(self.slips & (np.abs(self.residual) > FAR * max(usual, self.noise)))
-        if not len(far):
-            return []
-        count = "1 sample is" if len(far) == 1 else f"{len(far)} samples are"
-        return [
-            f"{count} off by more than {FAR:g} standard deviations, the first at {self.time[far[0]]:.6g} s:"
-            " leave out samples that are faults"
-        ]
-
-    def as_dict(self) -> dict[str, Any]:
-        """The result as plain data, for JSON."""
-        return {
-            "samples": len(self.recording),
-            "loading": self.motion.count(1),
-            "releasing": self.motion.count(-1),
-            "at_rest": self.motion.count(0),
-            "motion": self.motion.kind,
-            "residual_rms": self.rms,
-            "residual_rms_before": self.rms_before,
-            "noise": self.noise,
-            "parameters": {
-                one.name: {
-                    "start": one.start,
-                    "value": one.value,
-                    "interval": [one.low, one.high],
-                    "unit": one.unit,
-                    "status": one.status,
-                }
-                for one in self.parameters
-            },
-            "correlation": self.correlation,
-            "not_told_apart": [list(one.names) for one in self.ambiguities],
-            "residuals_ask_for": [one.name for one in self.missing],
-            "samples_that_count": len(self.time),
-            "warnings": self.warnings(),
-        }
-
-    def plot(self) -> Figure:
-        """Measured and fitted torque over the angle, and residuals over angle, sliding speed and time.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-        """
-        from dualcam.identification.picture import plot_identification
-
-        return plot_identification(self)
-
-    def write_report(self, path: str | Path) -> Path:
-        """Write one HTML page with the result.
-
-        Parameters
-        ----------
-        path : str or Path
-            The page (.html).
-
-        Returns
-        -------
-        Path
-            The written file.
-        """
-        from dualcam.identification.page import write_page
-
-        return write_page(self, path)
-
-    def write_design(self, path: str | Path) -> Path:
-        """Write the design file with the fitted values. Comments and all other lines stay.
-
-        Parameters
-        ----------
-        path : str or Path
-            The new design file.
-
-        Returns
-        -------
-        Path
-            The written file.
-        """
-        from dualcam.identification.fitted_design import write_fitted
-
-        return write_fitted(self, path)
-
 
 def _ordinal(number: int) -> str:
     ending = "th" if number % 100 in (11, 12, 13) else {1: "st", 2: "nd", 3: "rd"}.get(number % 10, "th")
     return f"{number}{ending}"
 
 
-def _rms(values: Array) -> float:
+def rms_of(values: Array) -> float:
+    """Root mean square; 0 of no values."""
     return math.sqrt(float(np.mean(values**2))) if len(values) else 0.0
+
+
+def rows_of(fit: Fit) -> list[list[str]]:
+    """One row of texts for each fitted value."""
+    return [
+        [
+            one.name,
+            f"{one.start:.5g}",
+            one.rounded,
+            one.interval,
+            "-" if one.unit == "1" else one.unit,
+        ]
+        for one in fit.parameters
+    ]

@@ -10,12 +10,12 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from dualcam.common.unit_guards import units_checked_before
 from dualcam.design_file import DesignFile
 from dualcam.errors import IdentificationError
-from dualcam.fmu import Fmu, RepeatedStart
+from dualcam.fmi.fmu import Fmu, RepeatedStart
 from dualcam.identification.motion import Motion
 from dualcam.identification.unknowns import ANGLE_OFFSET, ELASTIC, TORQUE_OFFSET, Unknown
-from dualcam.unit_guards import units_checked_before
 
 Array = NDArray[np.float64]
 

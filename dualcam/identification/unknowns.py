@@ -10,7 +10,7 @@ from typing import Any
 
 from dualcam.design_file import DesignFile
 from dualcam.errors import IdentificationError
-from dualcam.variables import SettableVariable, parameters_of
+from dualcam.fmi.variables import SettableVariable, parameters_of
 
 DEFAULT = ("friction", "spring.preload", "spring.stiffness")
 TORQUE_OFFSET, ANGLE_OFFSET = "torque_offset", "angle_offset"

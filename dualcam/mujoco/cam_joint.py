@@ -12,7 +12,7 @@ import numpy as np
 from dualcam.design_file.argument import DesignSource, as_design
 from dualcam.errors import MujocoError
 from dualcam.fleet.values import FleetValue
-from dualcam.systems.axis import CamGear
+from dualcam.systems.blocks.axis import CamGear
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 
 from dualcam.errors import MujocoError
-from dualcam.handle import unknown_variable
+from dualcam.fmi.handle import unknown_variable
 from dualcam.mujoco.cam_joint import CamJoint
 from dualcam.mujoco.ports import Port
 

@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 from dualcam.errors import DualcamWarning, MujocoError, UnstableCouplingWarning
 from dualcam.fleet import Fleet, FleetState
 from dualcam.fleet.values import FleetValue
+from dualcam.fmi.reals import Array
 from dualcam.mujoco.cam_joint import CamJoint, DriveTrain
 from dualcam.mujoco.torques import CamLaw, DriveLaw, ShaftLaw
-from dualcam.reals import Array
 
 # Parameters that do not act in the inverse FMU behind an elastic shaft.
 WITHOUT_EFFECT = (

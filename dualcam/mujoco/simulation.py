@@ -9,15 +9,15 @@ import mujoco
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from dualcam.arrays import real_array
+from dualcam.common.arrays import real_array
 from dualcam.errors import MujocoError
 from dualcam.fleet import Fleet
 from dualcam.fleet.arguments import chosen_instances
+from dualcam.fmi.reals import Array
 from dualcam.mujoco.cam_joint import CamJoint
 from dualcam.mujoco.model_joint import check_range, checked_cams, checked_data, checked_model, hinge_joint
 from dualcam.mujoco.ports import DrivePort, Port, PortState, port_of
 from dualcam.mujoco.torques import FreeMotion, shaft_torques
-from dualcam.reals import Array
 
 WHOLE_STATE = mujoco.mjtState.mjSTATE_INTEGRATION
 

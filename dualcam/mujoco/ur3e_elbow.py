@@ -2,16 +2,16 @@
 
 The forearm stands upright on its elbow at the angle 0, with wrist and payload. The upper arm stands still.
 Axes: y is the axis of the elbow, z points along the forearm, x to where the arm falls as the angle grows. A
-constraint keeps the wrist level, as dualcam.systems.robot_arm assumes.
+constraint keeps the wrist level, as dualcam.systems.machines.robot_arm assumes.
 
 Source of all masses, centres, inertias and distances: UniversalRobots/Universal_Robots_ROS2_Description,
 config/ur3e (physical_parameters.yaml, default_kinematics.yaml), BSD-3-Clause. The motor is that of
-dualcam.systems.motor.AK80_6: its rotor behind the gear is the armature of the joint.
+dualcam.systems.blocks.motor.AK80_6: its rotor behind the gear is the armature of the joint.
 """
 
 from __future__ import annotations
 
-from dualcam.systems.motor import AK80_6
+from dualcam.systems.blocks.motor import AK80_6
 
 MJCF = """
 <mujoco model="elbow of a UR3e">

@@ -21,7 +21,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from dualcam.module_calls import explain_call_of
+from dualcam.common.module_calls import explain_call_of
 from dualcam.study.evaluator import Evaluator
 from dualcam.study.plan import Plan
 from dualcam.study.problem import StudyError

@@ -17,7 +17,7 @@ import numpy as np
 
 from dualcam.errors import FmuError
 from dualcam.fleet.native import RunsCall, RunsEnd, native
-from dualcam.instance import Instance
+from dualcam.fmi.instance import Instance
 
 SECONDS = 0.05  # of one call from Python: Ctrl-C and a signal wait for its end
 MORE = 4  # times as many runs in the next call, at most

@@ -10,9 +10,9 @@ from difflib import get_close_matches
 from pathlib import Path
 
 from dualcam.errors import FmuError
-from dualcam.handle import suitable_value, unknown_variable
-from dualcam.library import source_path
-from dualcam.model_description import Kind, Scalar, Variable, read_model_description
+from dualcam.fmi.handle import suitable_value, unknown_variable
+from dualcam.fmi.library import source_path
+from dualcam.fmi.model_description import Kind, Scalar, Variable, read_model_description
 from dualcam.study.entries import hint
 from dualcam.study.plan import Plan
 from dualcam.study.problem import Findings, Place

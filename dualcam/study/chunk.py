@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from dualcam.fmu import Array
+from dualcam.fmi.fmu import Array
 from dualcam.study.encoding import Column, encoded
 from dualcam.study.plan import Plan
 from dualcam.study.readings import Readings

@@ -14,7 +14,7 @@ from pathlib import Path
 from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Any
 
-from dualcam.fmu import Array
+from dualcam.fmi.fmu import Array
 from dualcam.study.chunk import Answer, Order, Task
 from dualcam.study.execution import Answers, Died, Workers
 from dualcam.study.problem import StudyError

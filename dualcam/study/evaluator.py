@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dualcam.arrays import real_array
+from dualcam.common.arrays import real_array
 from dualcam.study.chunk import Task, varied_columns
 from dualcam.study.execution import workers_for
 from dualcam.study.first_runs import check

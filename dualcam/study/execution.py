@@ -11,7 +11,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Generator, Iterable
 from typing import TYPE_CHECKING
 
-from dualcam.fmu import Array
+from dualcam.fmi.fmu import Array
 from dualcam.study.chunk import Answer, Order, Task
 from dualcam.study.runner import Block, Runner
 

@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from dualcam.errors import DualcamError, DualcamWarning
-from dualcam.reals import Array
+from dualcam.fmi.reals import Array
 from dualcam.study.checking import Parts, Variables, check_parts, is_meant, percent
 from dualcam.study.history import numbers_in
 from dualcam.study.plan import Plan

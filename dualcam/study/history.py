@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from dualcam.arrays import Array, real_array
+from dualcam.common.arrays import Array, real_array
 from dualcam.study.problem import StudyError
 from dualcam.study.sampling.formula import formula, is_formula
 

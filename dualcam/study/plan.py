@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from dualcam.arrays import TRUTH, Array, real_array
+from dualcam.common.arrays import TRUTH, Array, real_array
 from dualcam.study.problem import Findings, StudyError
 from dualcam.study.sampling import designs
 from dualcam.study.sampling.correlation import Correlation

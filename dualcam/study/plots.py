@@ -24,8 +24,8 @@ from matplotlib.collections import LineCollection
 from matplotlib.text import Text
 from numpy.typing import NDArray
 
-from dualcam.fmu import Array, Fmu
-from dualcam.paths import whole_file
+from dualcam.common.paths import whole_file
+from dualcam.fmi.fmu import Array, Fmu
 from dualcam.study.plot_keys import columns_of, columns_to_draw, problems_of_plots
 from dualcam.study.problem import StudyError, refuse
 from dualcam.study.results import read_results

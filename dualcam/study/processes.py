@@ -16,7 +16,7 @@ from multiprocessing.connection import Connection, wait
 from queue import SimpleQueue
 from typing import cast
 
-from dualcam.fmu import Array
+from dualcam.fmi.fmu import Array
 from dualcam.study.chunk import Answer, Order, Task
 from dualcam.study.execution import AHEAD, Answers, Died, Workers
 from dualcam.study.problem import StudyError

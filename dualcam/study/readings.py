@@ -23,7 +23,7 @@ from typing import Any
 
 import numpy as np
 
-from dualcam.reals import Array
+from dualcam.fmi.reals import Array
 from dualcam.study.encoding import Column
 from dualcam.study.problem import StudyError, refuse
 from dualcam.study.sampling.formula import Formula, formula

@@ -18,8 +18,8 @@ from dataclasses import dataclass
 
 from numpy.typing import ArrayLike
 
-from dualcam.arrays import real_array
-from dualcam.model_description import Scalar
+from dualcam.common.arrays import real_array
+from dualcam.fmi.model_description import Scalar
 from dualcam.study.problem import StudyError
 from dualcam.study.sampling.formula import formula
 from dualcam.study.sampling.texts import Texts

@@ -24,11 +24,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dualcam.errors import FmuError
-from dualcam.fmu import Fmu
-from dualcam.handle import FmuState
-from dualcam.instance import OK_OR_WARNING, References
-from dualcam.model_description import Scalar
-from dualcam.reals import Array
+from dualcam.fmi.fmu import Fmu
+from dualcam.fmi.handle import FmuState
+from dualcam.fmi.instance import OK_OR_WARNING, References
+from dualcam.fmi.model_description import Scalar
+from dualcam.fmi.reals import Array
 from dualcam.study.batch import Batch, Window, copy, loop_in_c
 from dualcam.study.resolved import values_of, violated_by
 from dualcam.study.sampling.rules import violations

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dualcam.reals import Array
+from dualcam.fmi.reals import Array
 from dualcam.study.history import History, Number, names_in, numbers_in
 from dualcam.study.problem import StudyError
 from dualcam.study.resolved import values_of

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from dualcam.reals import Array
+from dualcam.fmi.reals import Array
 from dualcam.study.history import ORDER, History, Number
 from dualcam.study.scenario import SAME_TIME, Scenario, Step, instants
 

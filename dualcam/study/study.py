@@ -17,8 +17,8 @@ from rich.progress import BarColumn, Progress, ProgressColumn, TextColumn, TimeR
 from rich.progress import Task as Shown
 from rich.text import Text
 
-from dualcam.library import MODELS, source_path
-from dualcam.model_description import Scalar
+from dualcam.fmi.library import MODELS, source_path
+from dualcam.fmi.model_description import Scalar
 from dualcam.study.chunk import Task, Written
 from dualcam.study.execution import workers_for
 from dualcam.study.first_runs import check, takes_less_than

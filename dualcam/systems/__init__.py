@@ -1,26 +1,7 @@
-"""Blocks of systems with the dual cam: motor, loads, reference motions, controllers, and their closed loop.
+"""Systems with the dual cam, and the blocks of which they are made.
 
-    motor, current_loop                       a geared brushless motor under a PI current loop
-    motor_bank                                many of them
-    gravity, pendulum                         loads: a mass on an arm, a body on a hinge, a hanging segment
-    motions                                   reference motions: pick and place, Fourier series
-    helical_cam, elliptical_cam               the cam as designers and controllers use it, by dualcam.design
-    position_controller, speed_controller, impedance    controllers
-    path_integral                             a plan improved by the costs of random plans around it (MPPI)
-    payload_filter                            payload and friction of the elbow from its encoder
-    radau_grid                                the grid of a plan by direct collocation
-    elementwise                               formulas for one float and for arrays
-    slow_motion                               the torque of slow motion from the inverse FMU
-    grease, thermal_network                   friction that follows the temperature of the grease
-    axis, record                              the forward FMU in a closed loop of all of these, and its record
-    axis_bank                                 many axes by one fleet, begun at any state
-
-Complete systems of these blocks, which system_examples/ run:
-
-    robot_arm, elbow, elbow_controllers       a robot's elbow
-    gait, swing, knee                         a prosthetic knee
-    car_door                                  a car's side door
-    clamp                                     a spring clamp that warms up
+    dualcam.systems.blocks        motor, loads, motions, controllers, the cam in their closed loop
+    dualcam.systems.machines      a robot's elbow, a prosthetic knee, a car's door, a spring clamp
 
 SI units throughout. Figures of real machines stand with their source and licence in the module that has them.
 """

@@ -5,7 +5,7 @@
 Modules of the page: app.js starts the page, player.js is the clock, engine.js calls the FMU's functions.
 """
 
-from dualcam.module_calls import explain_call_of
+from dualcam.common.module_calls import explain_call_of
 from dualcam.view.page import view_page, write_view
 
 __all__ = ["view_page", "write_view"]

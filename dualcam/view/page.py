@@ -12,15 +12,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import dualcam
+from dualcam.common.paths import page_path_of, write_text
+from dualcam.common.unit_guards import units_checked_before
 from dualcam.design_file import as_design
 from dualcam.errors import ExportError
 from dualcam.export.exporter import table_file
 from dualcam.export.scenario import scenario_for, scenario_table
-from dualcam.fmu import Fmu
-from dualcam.library import MODELS, fmu_path, web_path
-from dualcam.model_description import Scalar, read_model_description
-from dualcam.paths import page_path_of, write_text
-from dualcam.unit_guards import units_checked_before
+from dualcam.fmi.fmu import Fmu
+from dualcam.fmi.library import MODELS, fmu_path, web_path
+from dualcam.fmi.model_description import Scalar, read_model_description
 
 if TYPE_CHECKING:
     from dualcam.design_file import DesignFile, DesignSource

@@ -2,8 +2,6 @@
 
 #include <math.h>
 
-#include "closed_form/linear_search.h"
-
 /* Without a drive omega itself is homogeneous. */
 LinearEvent linear_event_horizon(const LinearSegment *s, double horizon) {
     const SlipStart *l = &s->start;

@@ -5,7 +5,7 @@
 #ifndef DUALCAM_LINEAR_EVENT_H
 #define DUALCAM_LINEAR_EVENT_H
 
-#include "closed_form/linear_peaks.h"
+#include "closed_form/linear_search.h"
 #include "closed_form/linear_segment.h"
 #include "model/event_kind.h"
 #include "numerics/tolerances.h"

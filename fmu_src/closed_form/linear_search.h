@@ -23,4 +23,7 @@ double linear_search_zero(const LinearIndicator *indicator, double t_end);
  * included. */
 double linear_search_peak(const LinearIndicator *indicator, double t_end, double known);
 
+/* Raises the peaks of |omega| and |R_i| to the largest values in a segment of the length ends->motion.t. */
+void linear_segment_peaks(const LinearSegment *segment, const SegmentEnds *ends, Peaks *peak);
+
 #endif

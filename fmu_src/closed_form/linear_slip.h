@@ -59,6 +59,16 @@ typedef struct {
     bool settled;              /* omega has its own rounding, not that of omega at the start */
 } LinearMotion;
 
+/* x_i of a contact and its first and second time derivatives. */
+typedef struct {
+    double value, rate, second;
+} ContactLoad;
+
+/* x_i and its first time derivative, of both contacts. */
+typedef struct {
+    double value[2], rate[2];
+} ContactLoadPair;
+
 /* The coefficients at this geometry; direction: +1 loading, -1 releasing. */
 void linear_slip_build(LinearSlipMode *linear, const Params *params, const Geometry *g, int direction,
                        const int flank[2]);

@@ -43,7 +43,7 @@ static bool stays_on_patch(const LobattoSystem *s, int i) {
     const double from = fabs(load.at[0]), ends[2] = {fabs(signed_range.low), fabs(signed_range.high)};
     const LobattoRange range = {min_of(ends[0], ends[1]), max_of(ends[0], ends[1])};
     const KnotCell cell =
-        friction_table_cell(table->load, table->loads, friction_table_find(table->load, 0, table->loads + 1, from));
+        friction_table_cell(table->load, table->loads, curve_interval(table->load, 1, table->loads + 1, from));
     const bool up = range.high - from > from - range.low;
     const KnotSteps step = knot_steps(&cell, &cell, s->slip->law[i].fall.overshoot, (Vector2){from, from}, up);
     const double ahead = up ? range.high - from : from - range.low, back = up ? from - range.low : range.high - from;
@@ -107,22 +107,8 @@ static void add_node_loads(const LobattoSystem *s, int k, NodeLoads *out) {
         const Vector2 sliding = x * length2 * n->dpsi_dtheta[i] * dtheta; /* times the sign of x_i */
         b->heat_cam[i] += slip->friction_varies ? lobatto_sum(n->friction[i] * sliding)
                                                 : slip->signed_friction[i] * lobatto_sum(sliding);
-    }
-}
-
-/* Archard's wear: reaction times sliding distance. */
-NOINLINE static void find_wear(const LobattoSystem *s, NodeLoads *out) {
-    const SlipMode *slip = s->slip;
-    for (int i = 0; i < 2; i++) {
-        const double r = slip->params->cam[i].radius;
-        double sliding = 0.0;
-        for (int k = 0; k < LOBATTO_HALVES; k++) {
-            const NodePair *n = &s->pair[k];
-            const Vector2 length2 = r * r + n->slope[i] * n->slope[i];
-            sliding += lobatto_sum(out->x[i].half[k] * length2 * n->dpsi_dtheta[i] * LOBATTO.weight.half[k] *
-                                   s->speed.half[k]);
-        }
-        out->booking.wear[i] = wear_per_sliding(slip->params, i) * slip->direction * slip->flank[i] * s->h * sliding;
+        if (has_wear(slip->params))
+            b->wear[i] += wear_per_sliding(slip->params, i) * slip->direction * slip->flank[i] * lobatto_sum(sliding);
     }
 }
 
@@ -188,18 +174,14 @@ static void find_peaks(const LobattoSystem *s, const NodeLoads *loads, const Pea
     const double contacts = s->slip->params->contacts;
     const bool monotone = lobatto_system_is_inertial(s) && lobatto_keeps_sign(&s->y, s->y.at[0] > 0.0 ? 1 : -1);
     out->peaks_inside = !monotone && !peaks_at_end(&s->speed, known->omega);
-    out->peak_omega = larger_end(&s->speed);
+    out->peak = (Peaks){.torque = larger_end(&s->tau), .omega = larger_end(&s->speed)};
     for (int i = 0; i < 2; i++) {
         const LobattoValues *reaction = &loads->reaction[i];
         out->peaks_inside = out->peaks_inside || !peaks_at_end(reaction, known->reaction[i] * contacts);
-        out->peak_reaction[i] = larger_end(reaction) / contacts;
+        out->peak.reaction[i] = larger_end(reaction) / contacts;
     }
-    if (out->peaks_inside && s->slip->friction_varies) {
-        LobattoPeaks peaks = {out->peak_omega, {out->peak_reaction[0], out->peak_reaction[1]}};
-        out->peaks_inside = !lobatto_peaks_inside(s, loads->reaction, &peaks);
-        out->peak_omega = peaks.omega;
-        for (int i = 0; i < 2; i++) out->peak_reaction[i] = peaks.reaction[i];
-    }
+    if (out->peaks_inside && s->slip->friction_varies)
+        out->peaks_inside = !lobatto_peaks_inside(s, loads->reaction, &out->peak);
 }
 
 /* ---- the step ---- */
@@ -215,7 +197,6 @@ static bool is_accepted(LobattoSystem *s, const LobattoStart *from, LobattoStep 
     NodeLoads loads;
     loads.booking = (Booking){.work_in = 0.0};
     for (int k = 0; k < LOBATTO_HALVES; k++) add_node_loads(s, k, &loads);
-    if (has_wear(slip->params)) find_wear(s, &loads);
     if (has_friction(slip->params) && !(stays_on_flanks(s, &loads) && stays_on_spring_flanks(s))) return false;
     if (!keeps_energy(s, &loads.booking, &out->energy_gained)) return false;
     out->booking = loads.booking;
@@ -477,6 +458,5 @@ bool lobatto_step_along(const SlipMode *slip, const LobattoStart *from, double l
     out->dtheta = s.dtheta.at[LOBATTO_END];
     out->domega = s.h * lobatto_sum(domega);
     out->omega = lobatto_system_is_inertial(&s) ? s.speed.at[LOBATTO_END] : lobatto_system_speed_at_end(&s);
-    out->tau = s.tau.at[LOBATTO_END];
     return booking_is_in_range(&out->booking, out->dtheta + out->omega);
 }

@@ -62,7 +62,7 @@ static inline double lobatto_cubic_term(const LobattoValues *y) {
 static inline bool lobatto_is_accurate(const LobattoSystem *s, double margin) {
     const double tolerance = s->slip->params->tolerance;
     const double missed = s->h * LOBATTO.missed * lobatto_cubic_term(&s->y);
-    const double distance = fabs(s->dtheta.at[LOBATTO_END]), rounding = LOBATTO_ANGLE_ROUNDING * fabs(s->theta);
+    const double distance = fabs(s->dtheta.at[LOBATTO_END]), rounding = ANGLE_ROUNDING * fabs(s->theta);
     double by_speed = 0.0, by_angle = missed * LOBATTO.missed_once;
     if (lobatto_system_is_inertial(s)) {
         by_speed = missed * LOBATTO.missed_once / lobatto_largest(lobatto_range(&s->speed));

@@ -3,7 +3,6 @@
 #include <float.h>
 #include <math.h>
 
-#include "collocation/radau_edge.h"
 #include "collocation/radau_system.h"
 #include "collocation/step_energy.h"
 #include "elementary/elementary.h"
@@ -91,7 +90,7 @@ static double error_of_defect(const RadauSystem *s, const RadauStep *step, doubl
     const bool departs = s->slip->regime == REGIME_INERTIAL && size.growth > 1.0;
     const double damped = departs ? h * defect : h * defect / (1.0 + stiff);
     const double speed = departs ? size.change : size.speed;
-    const double rounding = RADAU_ANGLE_ROUNDING * fabs(s->start->theta);
+    const double rounding = ANGLE_ROUNDING * fabs(s->start->theta);
     double by_speed = 0.0, by_angle = damped * r->defect_once;
     if (s->slip->regime == REGIME_INERTIAL) {
         by_speed = speed > 0.0 ? damped * r->defect_once / speed : 0.0;
@@ -151,7 +150,7 @@ static EnergyEnds energy_ends_of(const SlipMode *slip, const RadauStep *step) {
 /* Error: the speeds at the nodes must add up to the distance. The integrals of work and heat miss the same amount. */
 static bool follow_edge(RadauSystem *s, RadauStep *step) {
     const Radau *r = s->method;
-    if (!radau_edge_follow(s, step->node)) return false;
+    if (!radau_system_follow_edge(s, step->node)) return false;
     for (int j = 0; j < r->stages; j++) {
         s->y[j] = step->node[j].omega;
         step->node_dtheta[j] = step->node[j].theta - s->start->theta;
@@ -159,8 +158,8 @@ static bool follow_edge(RadauSystem *s, RadauStep *step) {
     step->dtheta = step->node_dtheta[r->stages - 1];
     step->domega = 0.0;
     const double missed = fabs(step->dtheta - s->h * radau_dot(r->weight, s->y, r->stages));
-    step->angle_noise = radau_edge_noise(s, step->node);
-    const double rounding = RADAU_ANGLE_ROUNDING * (fabs(s->start->theta) + fabs(step->dtheta)) + step->angle_noise;
+    step->angle_noise = radau_system_edge_noise(s, step->node);
+    const double rounding = ANGLE_ROUNDING * (fabs(s->start->theta) + fabs(step->dtheta)) + step->angle_noise;
     step->error = max_of(missed - rounding, 0.0) / (fabs(step->dtheta) + DBL_MIN) / s->slip->params->tolerance;
     return true;
 }
@@ -197,4 +196,67 @@ double radau_step_time_scale(const SlipMode *slip, const Balance *b) {
     rate += slip->regime == REGIME_INERTIAL ? sqrt(fabs(p->by_theta)) : fabs(p->by_theta);
     if (slip->regime == REGIME_RATE_INDEPENDENT) rate = 0.0;
     return 1.0 / max_of(rate, DBL_MIN);
+}
+
+/* ---- peaks ---- */
+
+typedef enum { PEAK_SPEED, PEAK_REACTION_1, PEAK_REACTION_2 } PeakQuantity;
+
+/* rad/s, or N in total */
+static double value_of(const Balance *b, PeakQuantity quantity) {
+    if (quantity == PEAK_SPEED) return b->omega;
+    const int i = quantity == PEAK_REACTION_1 ? 0 : 1;
+    return b->x[i] * sqrt(b->length2[i]);
+}
+
+static RadauValues values_of(const RadauStep *step, PeakQuantity quantity) {
+    RadauValues v = {.value = {value_of(&step->start, quantity)}};
+    for (int j = 0; j < step->method->stages; j++) v.value[j + 1] = value_of(&step->node[j], quantity);
+    radau_find_range(&v, step->method->stages);
+    return v;
+}
+
+/* |value| at the end of a step over the share x of the step; NAN where there is none. */
+static double value_after(const SlipMode *slip, const RadauStep *step, PeakQuantity quantity, double x) {
+    RadauStep part;
+    if (!radau_step_solve(slip, &step->start, x * step->h, step->method->stages, &part)) return NAN;
+    return fabs(value_of(radau_step_end(&part), quantity));
+}
+
+/* The largest |value| in the step; below `known` the larger one of both ends will do. Where the polynomial has its peak inside, a step that ends at the peak is solved:
+ * the end of a step is more exact than the polynomial inside. */
+static double peak_of(const SlipMode *slip, const RadauStep *step, PeakQuantity quantity, double known) {
+    const Radau *r = step->method;
+    const RadauValues v = values_of(step, quantity);
+    const double ends = max_of(fabs(v.value[0]), fabs(v.value[r->stages]));
+    if (max_of(fabs(v.low), fabs(v.high)) + BEYOND_NODES * (v.high - v.low) <= known) return ends;
+    const Bernstein p = radau_polynomial(r, v.value);
+    if (bernstein_is_monotone(&p)) return ends;
+    const double x = bernstein_peak(&p);
+    const double size = fabs(bernstein_value(&p, x));
+    if (!(size > ends) || x <= 0.0 || x >= 1.0) return ends;
+    const double found = value_after(slip, step, quantity, x);
+    if (!isfinite(found)) return size;
+    return max_of(ends, found);
+}
+
+/* True if alpha keeps its sign throughout, so that |omega| is largest at an end. */
+static bool is_speed_monotone(const RadauStep *step) {
+    RadauValues v = {.value = {step->start.alpha}};
+    for (int j = 0; j < step->method->stages; j++) v.value[j + 1] = step->node[j].alpha;
+    radau_find_range(&v, step->method->stages);
+    return max_of(v.low, -v.high) > BEYOND_NODES * (v.high - v.low);
+}
+
+void radau_step_raise_peaks(const SlipMode *slip, const RadauStep *step, Peaks *peak) {
+    const Balance *start = &step->start, *end = radau_step_end(step);
+    const int contacts = slip->params->contacts;
+    peak_raise(&peak->omega, is_speed_monotone(step) ? max_of(fabs(start->omega), fabs(end->omega))
+                                                     : peak_of(slip, step, PEAK_SPEED, peak->omega));
+    peak_raise(&peak->torque, start->tau);
+    peak_raise(&peak->torque, end->tau);
+    for (int i = 0; i < 2; i++) {
+        const PeakQuantity quantity = i == 0 ? PEAK_REACTION_1 : PEAK_REACTION_2;
+        peak_raise(&peak->reaction[i], peak_of(slip, step, quantity, peak->reaction[i] * contacts) / contacts);
+    }
 }

@@ -215,20 +215,20 @@ static void name_lead(char text[80], const Params *p, int i, double slope) {
                  shortest_decimal(elementary_atan(slope / p->cam[i].radius)).text, i + 1);
 }
 
-static void name_friction(char text[100], const CamParams *cam, double mu, int i) {
+static void name_friction(char text[128], const CamParams *cam, double mu, int i) {
     const FrictionParams *law = &cam->law;
-    if (law->table) snprintf(text, 100, "cam%d.friction_table with mu up to %s", i + 1, shortest_decimal(mu).text);
+    if (law->table) snprintf(text, 128, "cam%d.friction_table with mu up to %s", i + 1, shortest_decimal(mu).text);
     else if (law->load_exponent != 0.0)
-        snprintf(text, 100, "cam%d.friction = %s, under load up to mu = %s", i + 1,
+        snprintf(text, 128, "cam%d.friction = %s, under load up to mu = %s", i + 1,
                  shortest_decimal(cam->friction).text, shortest_decimal(mu).text);
-    else if (law->peak == 1.0) snprintf(text, 100, "cam%d.friction = %s", i + 1, shortest_decimal(cam->friction).text);
+    else if (law->peak == 1.0) snprintf(text, 128, "cam%d.friction = %s", i + 1, shortest_decimal(cam->friction).text);
     else
-        snprintf(text, 100, "cam%d.friction = %s times cam%d.friction_peak = %s at rest", i + 1,
+        snprintf(text, 128, "cam%d.friction = %s times cam%d.friction_peak = %s at rest", i + 1,
                  shortest_decimal(cam->friction).text, i + 1, shortest_decimal(law->peak).text);
 }
 
 static void describe_jam(Fault *fault, const Params *p, const Sampler *at, const double mu[2]) {
-    char lead[2][80], friction[2][100];
+    char lead[2][80], friction[2][128];
     for (int i = 0; i < 2; i++) {
         name_lead(lead[i], p, i, at->point.slope[i]); /* of a helix only the parameter is named */
         name_friction(friction[i], &p->cam[i], mu[i], i);

@@ -12,7 +12,7 @@ bool closed_form_slip_quiet(Mechanism *m, double h, Segment *segment);
 /* The motion from the present state on, in the slip mode `linear`. */
 LinearSegment linear_segment_from_here(const Mechanism *m, const LinearSlipMode *linear);
 
-/* Proposes slip for up to `left` seconds, to the first event. False if a value is not finite. */
-bool closed_form_slip_propose(Mechanism *m, double left, Segment *segment);
+/* Proposes slip for up to `left` seconds, to the first event. */
+void closed_form_slip_propose(Mechanism *m, double left, Segment *segment);
 
 #endif

@@ -257,7 +257,7 @@ static void fill_buckets(FrictionTable *table) {
         const int64_t octave = table->octave + n, bits = octave > 0 ? octave << (52 - FRICTION_BUCKET_BITS) : 0;
         double v;
         memcpy(&v, &bits, sizeof v);
-        table->bucket[n] = n == 0 ? 0 : (uint16_t)friction_table_find(table->speed, 0, table->count + 1, v);
+        table->bucket[n] = n == 0 ? 0 : (uint16_t)curve_interval(table->speed, 1, table->count + 1, v);
     }
 }
 

@@ -2,10 +2,10 @@
 
 #include <math.h>
 
-#include "contact/taylor.h"
 #include "inverse/elastic_shaft.h"
 #include "inverse/rigid_shaft.h"
 #include "model/elements.h"
+#include "outputs/taylor.h"
 #include "platform/attributes.h"
 
 /* ---- the imposed motion at the present instant ---- */

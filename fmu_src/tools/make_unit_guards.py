@@ -2,8 +2,8 @@
 
     python fmu_src/tools/make_unit_guards.py [--check]
 
-The rules stand in dualcam/unit_guards.csv, from which the Python package reads them, too. Rules of design
-files alone are left out.
+The rules stand in dualcam/common/unit_guards.csv, from which the Python package reads them, too. Rules of
+design files alone are left out.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from pathlib import Path
 import generated
 
 ROOT = Path(__file__).resolve().parents[2]
-RULES = ROOT / "dualcam/unit_guards.csv"
+RULES = ROOT / "dualcam/common/unit_guards.csv"
 VARIABLES = ROOT / "fmu_src/variables.def"
 TABLE = ROOT / "fmu_src/unit_guards.def"
 PARAMETER = re.compile(r'VARIABLE\((\w+), (?:EACH\(\d+, \d+\)|\d+), REAL, (\w+), PARAMS, [^,]+, "([^"]+)"')

@@ -46,7 +46,7 @@ __all__ = [
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 STAGING = ROOT / "build" / "package"  # what setuptools copies together before it packs
-# Folders in the wheel; dualcam/library.py looks there.
+# Folders in the wheel; dualcam/fmi/library.py looks there.
 FMUS = Path("dualcam") / "fmus"
 WEB = Path("dualcam") / "web"
 FLEET = Path("dualcam") / "fleet" / "lib"

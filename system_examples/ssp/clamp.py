@@ -11,9 +11,9 @@ needs no more than outputs of the cam. The way back ends at connectors of the ki
 from __future__ import annotations
 
 from dualcam.ssp import Component
-from dualcam.systems import clamp
-from dualcam.systems.clamp import GREASE, HALL, MOTION, NETWORK
-from dualcam.systems.grease import REFERENCE
+from dualcam.systems.blocks.grease import REFERENCE
+from dualcam.systems.machines import clamp
+from dualcam.systems.machines.clamp import GREASE, HALL, MOTION, NETWORK
 from system_examples.ssp import parts
 from system_examples.ssp.components import band_values, cam_component, motion_values
 from system_examples.ssp.package import ExampleSystem

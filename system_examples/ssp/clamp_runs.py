@@ -11,7 +11,7 @@ import numpy as np
 
 from dualcam import Fmu
 from dualcam.ssp import START
-from dualcam.systems import clamp
+from dualcam.systems.machines import clamp
 from system_examples.ssp.clamp import FRICTION_CONNECTIONS, WATCHED, clamp_system
 from system_examples.ssp.components import CAM
 from system_examples.ssp.coupling import Columns, couple
@@ -86,7 +86,7 @@ def run_case(case: Case, systems: Mapping[str, ExampleSystem], expected: Columns
 
 
 def beside_python(found: Columns) -> Outcome:
-    """The coupled package against `dualcam.systems.clamp.run`."""
+    """The coupled package against `dualcam.systems.machines.clamp.run`."""
     cycles = len(found["cam.theta"])
     with Fmu(CAM) as fmu:
         record = clamp.run(fmu, cycles)

@@ -1,4 +1,4 @@
-/* The servo of the spring clamp: position control with feed-forward, Servo of dualcam/systems/clamp.py.
+/* The servo of the spring clamp: position control with feed-forward, Servo of dualcam/systems/machines/clamp.py.
  *
  * After a move and some settling the servo keeps its torque, and the stick band of the cam holds the clamp.
  */

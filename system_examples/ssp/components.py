@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from dualcam.ssp import Component, Value
-from dualcam.systems.current_loop import CURRENT_BANDWIDTH, CURRENT_RATE
-from dualcam.systems.gravity import GravityLoad
-from dualcam.systems.helical_cam import HelicalCam
-from dualcam.systems.motions import PickAndPlace
-from dualcam.systems.motor import Motor
-from dualcam.systems.position_controller import PositionController
-from dualcam.systems.speed_controller import SpeedController
+from dualcam.systems.blocks.current_loop import CURRENT_BANDWIDTH, CURRENT_RATE
+from dualcam.systems.blocks.gravity import GravityLoad
+from dualcam.systems.blocks.helical_cam import HelicalCam
+from dualcam.systems.blocks.motions import PickAndPlace
+from dualcam.systems.blocks.motor import Motor
+from dualcam.systems.blocks.position_controller import PositionController
+from dualcam.systems.blocks.speed_controller import SpeedController
 from system_examples.ssp import parts
 from system_examples.ssp.variables import HARMONICS
 

@@ -18,7 +18,8 @@ from pathlib import Path
 import numpy as np
 
 from dualcam import Fmu, Reals
-from dualcam.ssp import Value, split, tag
+from dualcam.ssp import Value
+from dualcam.ssp.package import split, tag
 
 Columns = Mapping[str, np.ndarray]
 

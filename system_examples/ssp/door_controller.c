@@ -1,6 +1,6 @@
 /* The controller of the car door's motor: PI on speed with feed-forward, off where the cam holds the door.
  *
- * The law is that of SpeedController in dualcam/systems/speed_controller.py. The door's angle is
+ * The law is that of SpeedController in dualcam/systems/blocks/speed_controller.py. The door's angle is
  * offset + theta/ratio. The cam's torque about the hinge is ratio times its own (ratio < 0: closing loads the cam).
  * The edges of the stick band are straight lines over theta.
  */

@@ -1,6 +1,6 @@
 /* The position controller of the robot's elbow: LQI with feed-forward, and rest inside the stick band.
  *
- * The law is that of PositionController in dualcam/systems/position_controller.py. For each tick it takes the state
+ * The law is that of PositionController in dualcam/systems/blocks/position_controller.py. For each tick it takes the state
  * of the joint, and the planned angle and speed at the beginning and at the end of the tick. The edges of the stick
  * band are straight lines over theta.
  */

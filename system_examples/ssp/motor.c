@@ -1,6 +1,6 @@
 /* A geared brushless motor under a PI current loop, and the sum of the motor's torque and the load's.
  *
- * The loop is that of CurrentLoop in dualcam/systems/current_loop.py, where its design is derived. Between two of its
+ * The loop is that of CurrentLoop in dualcam/systems/blocks/current_loop.py, where its design is derived. Between two of its
  * samples the voltage is constant and the current an exponential in time, so the integrals of i, i^2 and v i are
  * closed forms. A step of any length has a whole number of samples, at least one.
  */

@@ -1,4 +1,4 @@
-/* The weight of a body that turns about an axis: GravityLoad of dualcam/systems/gravity.py.
+/* The weight of a body that turns about an axis: GravityLoad of dualcam/systems/blocks/gravity.py.
  *
  * The torque passes through the motor's part to the cam. It acts on the cam two steps after theta and omega were
  * read, and is held for one step. So the torque is computed for the middle of that step, 2.5 steps later.

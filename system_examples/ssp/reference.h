@@ -13,7 +13,7 @@ typedef struct {
     double move, dwell; /* s, duration of one move and of one rest */
 } PickAndPlace;
 
-/* PickAndPlace of dualcam/systems/motions.py: rest at `start`, move to `end` with minimum jerk, rest, move back. */
+/* PickAndPlace of dualcam/systems/blocks/motions.py: rest at `start`, move to `end` with minimum jerk, rest, move back. */
 Point pick_and_place(PickAndPlace cycle, double time);
 
 enum { HARMONICS = 7, COEFFICIENTS = 1 + 2 * HARMONICS };

@@ -1,4 +1,4 @@
-/* The torque with which thigh and gravity swing the shank: HingedPendulum of dualcam/systems/pendulum.py along the
+/* The torque with which thigh and gravity swing the shank: HingedPendulum of dualcam/systems/blocks/pendulum.py along the
  * measured motion of thigh and knee, drive = I psi'' + m d [a_x cos chi + (a_y + g) sin chi], chi = psi - theta + lead.
  *
  * As in pendulum_load.c the torque is computed for the middle of the step in which it acts, 2.5 steps later.

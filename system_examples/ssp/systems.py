@@ -17,13 +17,13 @@ import numpy as np
 
 from dualcam import Fmu
 from dualcam.ssp import Component
-from dualcam.systems import car_door, elbow, knee
-from dualcam.systems.axis import CamAxis, simulate_closed_loop
-from dualcam.systems.current_loop import CONTROL_PERIOD, CURRENT_RATE, CurrentLoop
-from dualcam.systems.gait import DESIGN_WALKER
-from dualcam.systems.motor import AK80_6
-from dualcam.systems.record import Record
-from dualcam.systems.swing import SWING
+from dualcam.systems.blocks.axis import CamAxis, simulate_closed_loop
+from dualcam.systems.blocks.current_loop import CONTROL_PERIOD, CURRENT_RATE, CurrentLoop
+from dualcam.systems.blocks.motor import AK80_6
+from dualcam.systems.blocks.record import Record
+from dualcam.systems.machines import car_door, elbow, knee
+from dualcam.systems.machines.gait import DESIGN_WALKER
+from dualcam.systems.machines.swing import SWING
 from system_examples.ssp import parts
 from system_examples.ssp.components import (
     CAM,

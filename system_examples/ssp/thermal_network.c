@@ -2,12 +2,12 @@
  *
  * The heat is what the energy balance of the cam leaves over, so the part needs no more than the cam's torque, which is
  * constant over a step, and the cam's outputs: work of the torque less what the spring and the inertia store. Once per
- * period the mean power goes into a network of two masses, TwoMassNetwork of dualcam/systems/thermal_network.py:
+ * period the mean power goes into a network of two masses, TwoMassNetwork of dualcam/systems/blocks/thermal_network.py:
  *
  *     C_c dT_c/dt = P - G_c (T_c - T_h)      C_h dT_h/dt = G_c (T_c - T_h) - G_a (T_h - T_a)
  *
  * The temperature of the contact zone gives the viscosity by Vogel's law, and the viscosity the two coefficients of
- * friction that move with it (dualcam/systems/grease.py).
+ * friction that move with it (dualcam/systems/blocks/grease.py).
  */
 #include <math.h>
 #include <stddef.h>

@@ -15,8 +15,8 @@ from numpy.polynomial.legendre import leggauss
 from scipy.integrate import quad
 
 from dualcam import CamHysteresis, Fmu, RepeatedStart
+from dualcam.control.linear import OperatingPointError
 from dualcam.errors import LimitCycleWarning
-from dualcam.linear import OperatingPointError
 
 MIDDLE = 0.7  # rad
 HELD = 0.5 * (RHO[1] + RHO[-1]) * (PRELOAD + STIFFNESS * LIFT * MIDDLE)  # N.m, middle of the band

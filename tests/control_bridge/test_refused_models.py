@@ -145,12 +145,12 @@ def test_an_unstable_operating_point_can_be_stabilised():
     assert plant.poles().real.max() > 1.0
     poles = control.lqr(plant, np.eye(2), [[1.0]])[2]
     assert poles.real.max() < 0.0
-    with refused("no play", error=OperatingPointError):
+    with refused("torque band must rise", error=OperatingPointError):
         CamHysteresis(FORWARD, 1.0, parameters=soft)
 
 
 def test_hysteresis_of_what_is_no_play():
-    with refused("no play", "atan", error=OperatingPointError):
+    with refused("torque band must rise", "atan", error=OperatingPointError):
         CamHysteresis(FORWARD, 0.5, parameters=LOCKING)
     with refused("between the stops", error=OperatingPointError):
         CamHysteresis(FORWARD, 1.5)

@@ -29,8 +29,9 @@ MAY_INCLUDE: dict[str, tuple[str, ...]] = {
     "collocation": ("platform", "elementary", "numerics", "model", "geometry", "contact"),
     "forward": BELOW_DYNAMICS,
     "inverse": BELOW_DYNAMICS,
-    "sensitivity": (*BELOW_DYNAMICS, "forward", "inverse"),
-    "fmi": (*BELOW_DYNAMICS, "forward", "inverse", "sensitivity"),
+    "outputs": (*BELOW_DYNAMICS, "forward"),
+    "sensitivity": (*BELOW_DYNAMICS, "forward", "inverse", "outputs"),
+    "fmi": (*BELOW_DYNAMICS, "forward", "inverse", "outputs", "sensitivity"),
     "web": (),
     "tools": ("fmi",),
 }

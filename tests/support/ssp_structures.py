@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from xml.etree.ElementTree import Element
 
-from dualcam.ssp import tag
+from dualcam.ssp.package import tag
 
 Ends = dict[tuple[str, str], Element]
 

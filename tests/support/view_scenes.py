@@ -20,7 +20,7 @@ import numpy as np
 from driver import ROOT
 
 from dualcam import Fmu, FmuError, fmu_path, read_model_description
-from dualcam.library import MODELS, web_path
+from dualcam.fmi.library import MODELS, web_path
 
 SUPPORT = ROOT / "tests/support"
 ENGINE = ROOT / "dualcam/view/engine.js"

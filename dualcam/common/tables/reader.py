@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from dualcam.arrays import Array
+from dualcam.common.arrays import Array
 from dualcam.common.tables.fmu_format import is_fmu_text
 from dualcam.common.tables.header import (
     Column,
@@ -31,8 +31,8 @@ from dualcam.common.tables.rows import (
 )
 from dualcam.common.tables.text import Lines, decoded_text, lines_of
 from dualcam.common.tables.units import UNITS, in_unit
+from dualcam.common.unit_guards import unit_warning
 from dualcam.errors import UnitWarning
-from dualcam.unit_guards import unit_warning
 
 NAME_AND_UNIT = re.compile(r"(\S.*?)\s+[\[(]\s*([^\])]+?)\s*[\])]")  # der(x) and x[1] have no unit
 Converter = Callable[[str, str, Array], Array]  # name, unit, values in the unit -> values

@@ -11,7 +11,7 @@ from typing import NoReturn
 
 import numpy as np
 
-from dualcam.arrays import Array
+from dualcam.common.arrays import Array
 from dualcam.common.tables.kinds import TableError
 from dualcam.common.tables.text import Line, Lines
 

@@ -10,8 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dualcam.arrays import Array
-from dualcam.unit_guards import TORQUE_UNITS
+from dualcam.common.arrays import Array
+from dualcam.common.unit_guards import TORQUE_UNITS
 
 DEGREE = math.pi / 180.0  # rad
 # By kind: the units with their factors to SI, the SI unit first.

@@ -7,13 +7,13 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from dualcam.common.paths import write_text
 from dualcam.common.tables import GROOVE_HEADER
+from dualcam.common.unit_guards import units_checked_before
 from dualcam.design.cut.groove_cut import GrooveCut
 from dualcam.design.cut.sampling import MOST_POINTS, SHARES, places, wrapped
 from dualcam.design.grooves import Table
 from dualcam.design.statics import Array, DesignError
-from dualcam.paths import write_text
-from dualcam.unit_guards import units_checked_before
 
 INTERVALS = 128  # between the stops, at least
 TABLE_ERROR = 1e-10  # m between the groove and the curve of the FMU through the points

@@ -10,12 +10,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dualcam.arrays import real_array
+from dualcam.common.arrays import real_array
+from dualcam.common.unit_guards import warn_units
 from dualcam.design.cut.pin_section import contact, contact_turn, section, section_radius
 from dualcam.design.grooves import Groove, Point
 from dualcam.design.mechanism import POINTS, Mechanism
 from dualcam.design.statics import Array, DesignError
-from dualcam.unit_guards import warn_units
 
 LEAST_TRAVEL = 1e-6  # rad
 ROTATIONS = {"counterclockwise": 1, "clockwise": -1}  # of cam 2 while loading, seen from +z

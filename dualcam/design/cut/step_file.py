@@ -5,12 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from dualcam.common.version import __version__
 from dualcam.design.cut.cam_body import CamBody
 from dualcam.design.cut.groove_cut import GrooveCut
 from dualcam.design.cut.labels import cut_label, zero_label
 from dualcam.design.cut.solid import cam_solid, require_kernel
 from dualcam.design.statics import DesignError
-from dualcam.version import __version__
 
 
 def write_step(cut: GrooveCut, body: CamBody, path: Path) -> None:

@@ -6,12 +6,12 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dualcam.arrays import real_array
+from dualcam.common.arrays import real_array
 from dualcam.design.mechanism import Mechanism
 from dualcam.design.statics import Array
 from dualcam.design.tolerances.limits import Limit, Yield, check_quantity, yield_of
@@ -39,11 +39,17 @@ from dualcam.errors import DesignError
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from dualcam.design_file import DesignFile
-
 BLOCK = 200_000  # values of each quantity that are computed at once
 MOST_VALUES = 20_000_000  # of each quantity: 0.8 GB of memory in all
 ANGLES = 57
+
+
+@runtime_checkable
+class HasMechanism(Protocol):
+    """What has a mechanism, such as a design from read_design."""
+
+    def mechanism(self) -> Mechanism:
+        """The mechanism."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -181,7 +187,7 @@ class ToleranceAnalysis:
 
 
 def analyse(
-    design: Mechanism | DesignFile,
+    design: Mechanism | HasMechanism,
     tolerances: Sequence[Tolerance],
     angles: int | ArrayLike = ANGLES,
     samples: int = 10_000,
@@ -291,10 +297,8 @@ def analyse(
     )
 
 
-def _mechanism_of(design: DesignFile) -> Mechanism:
-    from dualcam.design_file import DesignFile
-
-    if isinstance(design, DesignFile):
+def _mechanism_of(design: object) -> Mechanism:
+    if isinstance(design, HasMechanism):
         return design.mechanism()
     raise DesignError(f"design = {design!r:.60}: allowed is a Mechanism, or a design from read_design")
 

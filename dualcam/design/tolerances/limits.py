@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import binomtest
 
-from dualcam.arrays import real_array
+from dualcam.common.arrays import real_array
 from dualcam.design.statics import Array
 from dualcam.design.tolerances.sampled_mechanism import QUANTITIES, UNITS
 from dualcam.errors import DesignError

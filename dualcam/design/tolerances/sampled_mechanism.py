@@ -32,7 +32,7 @@ from dualcam.design.load_law import friction_under
 from dualcam.design.mechanism import Mechanism, meeting
 from dualcam.design.statics import Array, band
 from dualcam.errors import DesignError
-from dualcam.variables import parameters_of
+from dualcam.fmi.variables import parameters_of
 
 CLEARANCE, SCALE = "clearance", "groove_scale"
 OWN = {  # parameters of this file: nominal value, allowed values

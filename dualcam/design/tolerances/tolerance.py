@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import stats
 
+from dualcam.common.unit_guards import unit_warning
 from dualcam.design.statics import Array, is_number
 from dualcam.errors import DesignError, UnitWarning
-from dualcam.unit_guards import unit_warning
 
 SHARE_OUTSIDE = 1e-9  # of a distribution that may lie outside the allowed values: no sample falls there
 LEAST_SHARE = 2.0**-54  # of a distribution below a sample: a normal one has no value at 0

@@ -5,8 +5,8 @@ from __future__ import annotations
 from importlib.resources import files
 from pathlib import Path
 
+from dualcam.common.paths import whole_file
 from dualcam.errors import DesignError, DualcamError
-from dualcam.paths import whole_file
 
 TEMPLATES = {
     "minimal": "two equal helices, with the FMU's defaults",

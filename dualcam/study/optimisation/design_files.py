@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dualcam.model_description import Scalar
+from dualcam.fmi.model_description import Scalar
 from dualcam.study.optimisation.task import Design, FmuRuns, Optimisation
 from dualcam.study.sampling.formula import formula
 from dualcam.study.scenario import History, Scenario
@@ -26,7 +26,7 @@ def fits_design_file(task: Optimisation) -> bool:
     """Whether the design's values are keys of design files."""
     if not isinstance(task.model, FmuRuns):
         return False
-    from dualcam.variables import all_inputs, all_parameters
+    from dualcam.fmi.variables import all_inputs, all_parameters
 
     known = {**all_parameters(), **all_inputs()}
     used = {*task.model.scenario.names}  # serve the scenario or other values
@@ -63,7 +63,7 @@ def design_text(task: Optimisation, design: Design, head: str) -> str:
 def _set_values(content: dict[str, Any], values: Mapping[str, Scalar]) -> None:
     """Put the values of parameters into the tables of a design file."""
     from dualcam.design_file.schema import PROFILES
-    from dualcam.variables import all_parameters
+    from dualcam.fmi.variables import all_parameters
 
     words = {number: word for word, number in PROFILES.items()}
     for name in sorted(set(values) & set(all_parameters())):
@@ -76,7 +76,7 @@ def _with_scenario(
     content: dict[str, Any], task: Optimisation, design: Design
 ) -> tuple[dict[str, Any], list[str]]:
     """The content with the numbers of the scenario, and a remark where a design file cannot have it."""
-    from dualcam.variables import all_inputs
+    from dualcam.fmi.variables import all_inputs
 
     scenario, before = _numbers(task, design), content.pop("scenario", {})
     if scenario.controller is not None:
@@ -122,7 +122,7 @@ def toml_lines(table: Mapping[str, Any], path: tuple[str, ...] = ()) -> Iterator
 
 
 def _unit_comment(path: tuple[str, ...], value: object) -> str:
-    from dualcam.variables import all_parameters
+    from dualcam.fmi.variables import all_parameters
 
     parameter = all_parameters().get(".".join(path))
     if parameter is None or isinstance(value, str | bool) or parameter.unit in ("", "1"):

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dualcam.reals import Array
+from dualcam.fmi.reals import Array
 from dualcam.study.optimisation.models import Model, open_model, own_values, plan_of
 from dualcam.study.optimisation.task import Design, Optimisation, choices, share_of
 from dualcam.study.plan import Plan

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from dualcam.reals import Array
+from dualcam.fmi.reals import Array
 from dualcam.study.optimisation import gradient
 from dualcam.study.optimisation.search import TOLERANCE, Search
 

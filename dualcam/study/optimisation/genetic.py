@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from dualcam.reals import Array
+from dualcam.fmi.reals import Array
 from dualcam.study.optimisation.evolution import first_designs
 from dualcam.study.optimisation.optimum import unbeaten
 from dualcam.study.optimisation.search import TOLERANCE, Search

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from dualcam.reals import Array
+from dualcam.fmi.reals import Array
 from dualcam.study.optimisation.search import TOLERANCE, Search
 
 ITERATIONS = 200  # of one search; with quadratic convergence ten to fifty are usual

@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from dualcam.errors import DualcamError
-from dualcam.library import source_path
-from dualcam.model_description import read_model_description
-from dualcam.reals import Array
+from dualcam.fmi.library import source_path
+from dualcam.fmi.model_description import read_model_description
+from dualcam.fmi.reals import Array
 from dualcam.study.entries import hint
 from dualcam.study.evaluator import Evaluator as StudyRuns
 from dualcam.study.optimisation.task import Design, FmuRuns, Function, Optimisation

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dualcam.reals import Array
+from dualcam.fmi.reals import Array
 
 if TYPE_CHECKING:
     from dualcam.study.optimisation.task import Design, Optimisation

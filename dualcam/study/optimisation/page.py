@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 import dualcam
-from dualcam.html_page import page, table
-from dualcam.report_inputs import USUAL
+from dualcam.common.html_page import page, table
+from dualcam.common.svg import figure_element
+from dualcam.report.inputs import USUAL
 from dualcam.study.optimisation.design_files import fits_design_file
 from dualcam.study.optimisation.optimum import ACTIVE, Optimum
 from dualcam.study.optimisation.shown import DIGITS, shown_bounds, unit_of, units_of
 from dualcam.study.optimisation.task import share_of
-from dualcam.svg import figure_element
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

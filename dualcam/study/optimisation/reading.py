@@ -9,7 +9,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from dualcam.design_file.toml_text import tables_of
-from dualcam.model_description import Scalar
+from dualcam.fmi.model_description import Scalar
 from dualcam.study.checking import Parts
 from dualcam.study.entries import hint
 from dualcam.study.optimisation.design_files import sections_of

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from filelock import FileLock
 
-from dualcam.reals import Array
+from dualcam.fmi.reals import Array
 from dualcam.study.chunk import checksum
 from dualcam.study.optimisation.evaluation import Batch
 from dualcam.study.problem import StudyError

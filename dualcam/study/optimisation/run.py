@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
-from dualcam.library import source_path
-from dualcam.reals import Array
+from dualcam.fmi.library import source_path
+from dualcam.fmi.reals import Array
 from dualcam.study.entries import is_whole
 from dualcam.study.optimisation import evolution, genetic, gradient
 from dualcam.study.optimisation.evaluation import Evaluator

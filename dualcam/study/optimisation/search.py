@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from dualcam.reals import Array
+from dualcam.fmi.reals import Array
 from dualcam.study.optimisation.evaluation import Batch, Evaluator
 from dualcam.study.optimisation.record import Record
 

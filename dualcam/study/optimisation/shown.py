@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from dualcam.library import source_path
-from dualcam.model_description import read_model_description
+from dualcam.fmi.library import source_path
+from dualcam.fmi.model_description import read_model_description
 from dualcam.study.optimisation.task import FmuRuns, Optimisation, choices
 
 DIGITS = 6
@@ -45,6 +45,6 @@ def shown_bounds(task: Optimisation, name: str) -> str:
 
 def _factor(given: str, own: str) -> float:
     """One of the given unit, in the FMU's unit; where the FMU has none, in the SI unit."""
-    from dualcam.design_file.units import quantity, si_number
+    from dualcam.common.written_units import quantity, si_number
 
     return quantity(f"1 {given}", own) if own else si_number(f"1 {given}")

@@ -9,7 +9,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from dualcam.model_description import Scalar
+from dualcam.fmi.model_description import Scalar
 from dualcam.study.entries import hint
 from dualcam.study.problem import Findings
 from dualcam.study.readings import column_of

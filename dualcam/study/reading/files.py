@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from zipfile import BadZipFile, ZipFile
 
+from dualcam.common.paths import near_names
 from dualcam.errors import DualcamError
-from dualcam.library import source_path
-from dualcam.paths import near_names
+from dualcam.fmi.library import source_path
 
 
 def missing_file(folder: Path, text: str) -> str | None:

@@ -8,8 +8,8 @@ from dataclasses import replace
 from difflib import get_close_matches
 from typing import Any
 
-from dualcam.library import source_path
-from dualcam.model_description import Scalar
+from dualcam.fmi.library import source_path
+from dualcam.fmi.model_description import Scalar
 from dualcam.study.checking import Parts, check_names, check_parts, names_used
 from dualcam.study.first_runs import check_first_runs
 from dualcam.study.history import History

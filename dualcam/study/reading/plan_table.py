@@ -8,7 +8,7 @@ from typing import Any
 
 from dualcam.common.tables import in_unit
 from dualcam.errors import DualcamError
-from dualcam.reals import Array
+from dualcam.fmi.reals import Array
 from dualcam.study.plan import Plan
 from dualcam.study.problem import StudyError, unchecked
 from dualcam.study.reading import quantities

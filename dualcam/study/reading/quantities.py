@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from dualcam.errors import DesignError
-from dualcam.model_description import Variable
+from dualcam.fmi.model_description import Variable
 from dualcam.study.problem import StudyError
 
 Units = Mapping[str, str | None]  # unit by variable, "1" for a plain number; None: no real
@@ -37,7 +37,7 @@ def number(where: str, name: str, value: float | str, units: Units) -> float:
 
 def in_si(where: str, text: str) -> float:
     """The number of a text in the base unit of the SI. `where` begins the message of the StudyError."""
-    from dualcam.design_file.units import si_number
+    from dualcam.common.written_units import si_number
 
     try:
         return si_number(text)
@@ -47,7 +47,7 @@ def in_si(where: str, text: str) -> float:
 
 def in_unit(where: str, text: str, unit: str) -> float:
     """The number of a text in a unit. `where` begins the message of the StudyError."""
-    from dualcam.design_file.units import quantity  # loads pydantic and pint, which few plans need
+    from dualcam.common.written_units import quantity  # loads pydantic and pint, which few plans need
 
     try:
         return quantity(text, unit)
@@ -61,14 +61,14 @@ def in_unit(where: str, text: str, unit: str) -> float:
 
 def unit_in(value: object) -> str:
     """The unit that a text has; none of a number."""
-    from dualcam.design_file.units import written_unit
+    from dualcam.common.written_units import written_unit
 
     return written_unit(value) if isinstance(value, str) else ""
 
 
 def are_of_one_kind(one: str, other: str) -> bool:
     """Whether numbers in one unit can be converted to the other; not where a unit is not known."""
-    from dualcam.design_file.units import quantity
+    from dualcam.common.written_units import quantity
 
     try:
         quantity(f"1 {one}", other)

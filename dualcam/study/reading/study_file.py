@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 from dualcam.design_file.toml_text import tables_of
 from dualcam.errors import DualcamWarning
-from dualcam.library import MODELS
-from dualcam.model_description import Scalar
+from dualcam.fmi.library import MODELS
+from dualcam.fmi.model_description import Scalar
 from dualcam.study.checking import Parts, Variables
 from dualcam.study.problem import Findings, StudyError
 from dualcam.study.reading.context import Context

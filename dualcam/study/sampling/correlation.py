@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dualcam.reals import Array
+from dualcam.fmi.reals import Array
 from dualcam.study.entries import hint
 from dualcam.study.problem import StudyError
 from dualcam.study.sampling.vary import Vary

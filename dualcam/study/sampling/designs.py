@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from dualcam.reals import Array
+from dualcam.fmi.reals import Array
 from dualcam.study.problem import StudyError
 
 KINDS = ("grid", "random", "latin", "sobol", "indices", "saltelli", "morris", "fast", "table")

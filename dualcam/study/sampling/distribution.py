@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from dualcam.reals import Array
+from dualcam.fmi.reals import Array
 from dualcam.study.problem import StudyError
 
 USUAL = {"normal": "norm", "gaussian": "norm", "lognormal": "lognorm", "exponential": "expon"}

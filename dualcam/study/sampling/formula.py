@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from dualcam.reals import Array
+from dualcam.fmi.reals import Array
 from dualcam.study.problem import StudyError
 
 LONGEST = 1000  # characters; a longer text is no formula of a person
@@ -270,7 +270,7 @@ def is_formula(text: object) -> bool:
 @cache
 def _in_si(text: str) -> float:
     """The number of a quantity such as "79 GPa" in the base unit of the SI."""
-    from dualcam.design_file.units import si_number
+    from dualcam.common.written_units import si_number
     from dualcam.errors import DesignError
 
     try:

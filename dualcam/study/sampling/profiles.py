@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 
 from dualcam.common.tables import GROOVE_HEADER, fmu_text
-from dualcam.reals import Array
+from dualcam.fmi.reals import Array
 from dualcam.study.problem import StudyError
 from dualcam.study.sampling.kept_files import kept_file
 

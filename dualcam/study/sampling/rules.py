@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from dualcam.reals import Array
+from dualcam.fmi.reals import Array
 from dualcam.study.problem import StudyError
 from dualcam.study.sampling.formula import Formula, formula
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from dualcam.reals import Array
+from dualcam.fmi.reals import Array
 from dualcam.study.problem import StudyError
 from dualcam.study.sampling import designs
 from dualcam.study.sampling.correlation import OPEN, Copula

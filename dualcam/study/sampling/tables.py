@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from dualcam.arrays import TRUTH, Array, real_array
+from dualcam.common.arrays import TRUTH, Array, real_array
 from dualcam.common.tables import Converter, TableError, read_columns
 from dualcam.study.problem import StudyError
 from dualcam.study.sampling.texts import GivenTexts

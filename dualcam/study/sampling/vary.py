@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from dualcam.arrays import TRUTH, Array, real_array
+from dualcam.common.arrays import TRUTH, Array, real_array
 from dualcam.study.entries import is_whole
 from dualcam.study.problem import StudyError
 from dualcam.study.sampling.distribution import Distribution

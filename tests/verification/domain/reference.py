@@ -261,10 +261,13 @@ class Simulation:
             return (0, UPPER_STOP) if self.theta >= mech.upper else (1, 0)
         if release < -near:
             return (0, LOWER_STOP) if self.theta <= mech.lower else (-1, 0)
-        f0 = mech.spring_force(k.z) + value(self.f_ext, t)
-        towards = value(self.tau, t) - k.dz * f0
-        wedged = (load if towards > 0 else release) == math.inf and abs(towards) > near
-        return 0, WEDGED if wedged else STICK
+        return 0, WEDGED if self._into_lock(k, t) > near else STICK
+
+    def _into_lock(self, k: Place, t: float) -> float:
+        """The torque beyond the frictionless one toward an infinite edge of the band; -inf: no edge is."""
+        load, release = self._gaps(k, t)
+        towards = value(self.tau, t) - k.dz * (self.mechanism.spring_force(k.z) + value(self.f_ext, t))
+        return max(towards if load == math.inf else -math.inf, -towards if release == math.inf else -math.inf)
 
     def _rest_or_leave(self, t: float) -> None:
         sigma, mode = self._side_at_rest(t)
@@ -292,11 +295,12 @@ class Simulation:
         else:
 
             def held(time: float) -> tuple[float, ...]:
-                return self._gaps(k, time)
+                into = self._into_lock(k, time)
+                return *self._gaps(k, time), into if self.mode == WEDGED else -into
 
         row: Sequence[float] = held(t)
         width = (self.duration - t) / SAMPLES
-        if self.mode == WEDGED and min(row) < 0:
+        if self.mode == WEDGED and min(row[:2]) < 0:
             return self.duration
         near = 1e-12 * self._torque_size(k, t)
         row = tuple(0.0 if abs(gap) <= near else gap for gap in row)
@@ -308,6 +312,9 @@ class Simulation:
             time, index = found
             if len(row) == 1:
                 self._leave_stop(time, near)
+                return time
+            if index == 2:
+                self._set_mode(STICK if self.mode == WEDGED else WEDGED)
                 return time
             sigma = 1 if index == 0 else -1
             if self.theta >= mech.upper if sigma > 0 else self.theta <= mech.lower:

@@ -1,0 +1,68 @@
+"""Modules that have moved: for one release their old paths still work, with a DeprecationWarning."""
+
+from __future__ import annotations
+
+import sys
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from importlib.machinery import ModuleSpec
+    from types import ModuleType
+
+_ROOMS = {  # new place -> names of the modules that kept their names
+    "common": "archive arrays html_page module_calls paths process_bound svg unit_guards version",
+    "control": "bridge forward harmonic_balance hysteresis limit_cycles linear sampled_loop swing",
+    "coupling": "held_feedback plant",
+    "design_file": "durability",
+    "fmi": "binary continuous_fmu fmi2 fmi3 fmu handle instance library model_description platforms reals"
+    " variables",
+    "report": "summary",
+    "systems.blocks": "systems.axis systems.axis_bank systems.current_loop systems.elementwise"
+    " systems.elliptical_cam systems.grease systems.gravity systems.helical_cam systems.impedance"
+    " systems.motions systems.motor systems.motor_bank systems.path_integral systems.pendulum"
+    " systems.position_controller systems.radau_grid systems.record systems.slow_motion"
+    " systems.speed_controller systems.thermal_network",
+    "systems.machines": "systems.car_door systems.clamp systems.elbow systems.elbow_controllers systems.gait"
+    " systems.knee systems.payload_filter systems.robot_arm systems.swing",
+}
+MOVED = {  # old path -> new path, both below dualcam
+    old: f"{room}.{old.rpartition('.')[2]}" for room, names in _ROOMS.items() for old in names.split()
+} | {
+    "durability_plots": "plots.durability",
+    "report_durability": "report.durability",
+    "report_inputs": "report.inputs",
+}
+
+
+def moved_module(old: str, stacklevel: int) -> ModuleType:
+    """The module whose old path below `dualcam` this is. `stacklevel` is that of warnings.warn."""
+    import warnings
+    from importlib import import_module
+
+    text = f"dualcam.{old} has moved: import dualcam.{MOVED[old]}. The old path goes with the next release"
+    warnings.warn(text, DeprecationWarning, stacklevel=stacklevel + 1)
+    return import_module(f"dualcam.{MOVED[old]}")
+
+
+class _OldPaths:
+    """Finds and loads modules by their old paths, after all other finders."""
+
+    def find_spec(self, name: str, path: Sequence[str] | None, target: object = None) -> ModuleSpec | None:
+        if name.removeprefix("dualcam.") not in MOVED or not name.startswith("dualcam."):
+            return None
+        from importlib.machinery import ModuleSpec
+
+        return ModuleSpec(name, self)  # type: ignore[arg-type]
+
+    def create_module(self, spec: ModuleSpec) -> None:
+        return None
+
+    def exec_module(self, module: ModuleType) -> None:
+        name = module.__name__
+        sys.modules[name] = moved_module(name.removeprefix("dualcam."), stacklevel=2)
+
+
+def find_moved_modules() -> None:
+    """From now on `import` knows the old paths."""
+    sys.meta_path.append(_OldPaths())

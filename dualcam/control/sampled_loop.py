@@ -1,0 +1,354 @@
+"""The forward FMU in the loop with a sampled controller: where the loop settles."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import pairwise
+
+import control
+import numpy as np
+
+from dualcam.control.forward import LOWER_STOP, STICK, UPPER_STOP, Source, open_forward
+from dualcam.errors import FmuError
+from dualcam.fmi.fmu import Fmu, RepeatedStart
+from dualcam.fmi.model_description import Scalar
+from dualcam.fmi.reals import Array
+
+CHUNK = 1000  # samples between two looks at the record
+CYCLES = 8  # latest ones that must be equal in a limit cycle
+EQUAL = 0.005  # relative: cycles whose amplitudes and periods differ by less
+REST = 1e-5  # of the room between the stops: a swing below is rest
+FEW, MANY = 2, 40  # unequal cycles in the latest part of the record: enough at its end, enough to end it
+PERSISTENT = 1.3  # most range of the last two parts over that of the last one, of unequal cycles that stay
+LATE = 0.4  # of the record, its end: the part that says where the loop settles
+BLOCK = 4096  # samples of the controller at rest, computed at once
+MOST_SAMPLES = 4e6  # of one run: a minute, and 600 MB of record
+MOST_TORQUE = 1e12  # N.m: only a controller that is unstable gets there
+ENDLESS = 1e150  # states of a controller at rest are cut off here, far from the end of the doubles
+
+
+class SampledController:
+    """A controller from the error of the angle [rad] to the torque [N.m], which is held over a period.
+
+    Parameters
+    ----------
+    law : control.StateSpace or control.TransferFunction
+        With one input, one output and a sampling time.
+
+    Raises
+    ------
+    FmuError
+        No controller, a continuous one, one with several signals, or one with coefficients that are not
+        finite.
+    """
+
+    def __init__(self, law: control.lti.LTI) -> None:
+        if not isinstance(law, control.StateSpace | control.TransferFunction):
+            raise FmuError(
+                f"controller = {law!r}: allowed is a control.StateSpace or control.TransferFunction with a"
+                " sampling time, such as control.ss([], [], [], 50.0, 1e-3) for the gain 50 N.m/rad each 1 ms"
+            )
+        period = getattr(law, "dt", None)
+        if isinstance(period, bool) or not isinstance(period, (int, float)) or not period > 0.0:
+            raise FmuError(
+                f"controller with dt = {period!r}: allowed is a sampled controller, since the torque is held"
+                " over its period [s]; control.sample_system(controller, 1e-3) makes one of a continuous one"
+            )
+        if (law.ninputs, law.noutputs) != (1, 1):
+            raise FmuError(
+                f"controller with {law.ninputs} inputs and {law.noutputs} outputs: allowed is one input, the"
+                " error of the angle [rad], and one output, the torque [N.m]"
+            )
+        system = _state_space(law)
+        self.period = float(period)
+        self.A, self.B, self.C, self.D = system.A, system.B[:, 0], system.C[0], float(system.D[0, 0])
+        self._of_state, self._of_error = self._constant_error()
+
+    def _constant_error(self) -> tuple[Array, Array]:
+        """States after 0 to BLOCK samples with a constant error: their parts of the first state, shape
+        (BLOCK + 1, states, states), and of the error, shape (BLOCK + 1, states)."""
+        of_state, of_error = [np.eye(self.states)], [np.zeros(self.states)]
+        for _ in range(BLOCK):
+            of_state.append(np.clip(self.A @ of_state[-1], -ENDLESS, ENDLESS))
+            of_error.append(np.clip(self.A @ of_error[-1] + self.B, -ENDLESS, ENDLESS))
+        return np.array(of_state), np.array(of_error)
+
+    @property
+    def largest_pole(self) -> float:
+        """Largest magnitude of the controller's poles; 0 without states."""
+        return float(np.abs(np.linalg.eigvals(self.A)).max(initial=0.0))
+
+    @property
+    def integrates(self) -> bool:
+        """Whether a constant error makes the torque grow without end."""
+        return self.largest_pole > 1.0 - 1e-9
+
+    @property
+    def unstable(self) -> bool:
+        """Whether the torque grows exponentially if the cam does not move."""
+        return self.largest_pole > 1.0 + 1e-9
+
+    def ahead(self, x: Array, error: float) -> Array:
+        """States after 0 to BLOCK samples with a constant error [rad], shape (BLOCK + 1, states)."""
+        return self._of_state @ x + error * self._of_error
+
+    @property
+    def states(self) -> int:
+        """Number of states."""
+        return len(self.B)
+
+    def state_phasor(self, frequency: float) -> Array:
+        """States over the error, at an angular frequency [rad/s]; complex, shape (states,)."""
+        z = np.exp(1j * frequency * self.period)
+        return np.linalg.solve(z * np.eye(self.states) - self.A, self.B.astype(complex))
+
+    def response(self, frequency: float) -> complex:
+        """First harmonic of the held torque over the error [N.m/rad]."""
+        held = 1j * frequency * self.period
+        return complex((self.C @ self.state_phasor(frequency) + self.D) * -np.expm1(-held) / held)
+
+
+def _state_space(law: control.lti.LTI) -> control.StateSpace:
+    """The controller with states. FmuError if there is none, or none with finite coefficients."""
+    if isinstance(law, control.TransferFunction):
+        numbers = [law.num[0][0], law.den[0][0]]
+    else:
+        numbers = [law.A, law.B, law.C, law.D]
+    if not all(np.isfinite(part).all() for part in numbers):
+        listed = ", ".join(str(np.asarray(part).tolist()) for part in numbers)
+        raise FmuError(f"controller with the coefficients {listed}: allowed are finite numbers")
+    try:
+        return control.ss(law)
+    except ValueError as error:
+        raise FmuError(
+            f"controller that python-control cannot write with states: {error}; allowed is a numerator whose"
+            " degree is not above that of the denominator"
+        ) from error
+
+
+def check_duration(duration: float, period: float) -> None:
+    """Refuse a duration [s] of the loop's runs that is no time, or too many samples of the period [s].
+
+    Raises
+    ------
+    FmuError
+        With the numbers, and what works.
+    """
+    if isinstance(duration, bool) or not isinstance(duration, (int, float)) or not 0.0 < duration < math.inf:
+        raise FmuError(f"duration = {duration!r} s: allowed is a finite number > 0")
+    if duration > MOST_SAMPLES * period:
+        raise FmuError(
+            f"duration = {duration:g} s with the controller's period of {period:g} s is"
+            f" {duration / period:.3g} samples per run: allowed are {MOST_SAMPLES:g}. A duration up to"
+            f" {MOST_SAMPLES * period:.3g} s works, or a period from {duration / MOST_SAMPLES:.3g} s on, or"
+            " check=False"
+        )
+
+
+@dataclass(frozen=True)
+class LoopMotion:
+    """Where a loop settles.
+
+    Attributes
+    ----------
+    kind : str
+        "rest"; "stop" where the torque presses the cam on a stop; "cycle"; "irregular" where the cam goes on
+        to move in unequal cycles; "diverges" where the controller's torque passes 1e12 N.m; or "undecided"
+        where the swing still decays or the motion is too slow for the duration.
+    amplitude : float
+        Half the range of the angle [rad], 0 at rest.
+    torque : float
+        Half the range of the torque [N.m].
+    frequency : float
+        Angular frequency [rad/s], the mean one of irregular cycles; NaN at rest.
+    lowest, highest : float
+        Ends of the angle's range [rad].
+    """
+
+    kind: str
+    amplitude: float
+    torque: float
+    frequency: float
+    lowest: float
+    highest: float
+
+
+class SampledLoop:
+    """The forward FMU with a controller on its angle. The loop has no reference but `theta`.
+
+    Parameters
+    ----------
+    source : str, Path, Fmu or ContinuousFmu
+        The forward FMU.
+    parameters : mapping of str to float, int, bool or str
+        Start values of the FMU.
+    controller : SampledController
+        The controller.
+    theta : float
+        Reference [rad].
+    """
+
+    def __init__(
+        self,
+        source: Source,
+        parameters: Mapping[str, Scalar],
+        controller: SampledController,
+        theta: float,
+    ) -> None:
+        self.fmu, values = open_forward(Fmu, source, parameters)
+        self._runs = RepeatedStart(self.fmu, values, ["initial.theta", "initial.omega", "tau"])
+        self._tau, self._motion = self.fmu.reals("tau"), self.fmu.reals("theta", "omega")
+        self._edges = self.fmu.reals("torque_release", "torque_load")
+        self._room = self.fmu.real("stop.upper") - self.fmu.real("stop.lower")
+        self.controller, self.theta = controller, theta
+
+    def close(self) -> None:
+        """Free the FMU."""
+        self.fmu.close()
+
+    def settle(self, theta: float, omega: float, x: Array, bias: float, duration: float) -> LoopMotion:
+        """Run from an angle [rad], a speed [rad/s] and states of the controller, until the loop rests or
+        swings in equal cycles, or `duration` [s] has passed. `bias`: torque beside the controller's [N.m]."""
+        law, record = self.controller, _Record(self._room)
+        x, samples, last = np.array(x, dtype=float), 0, round(duration / law.period)
+        self._runs.start([theta, omega, bias])
+        while samples < last:
+            for _ in range(CHUNK):
+                theta, omega = self._motion.read()
+                error = self.theta - theta
+                torque = bias + float(law.C @ x) + law.D * error
+                record.add(samples * law.period, theta, torque)
+                if abs(torque) > MOST_TORQUE:
+                    return record.late("diverges")
+                x = law.A @ x + law.B * error
+                self._tau.values[:] = torque
+                self._tau.write()
+                self.fmu.step(law.period)
+                samples += 1
+            if self.fmu.get("mode") == STICK:
+                samples, x = self._wait(x, bias, samples, last, record)
+            if record.rests(self.theta) or record.decided():
+                break
+        pressed = self.fmu.get("mode") in (LOWER_STOP, UPPER_STOP)
+        return record.settled(self.theta, pressed, law.integrates)
+
+    def _wait(self, x: Array, bias: float, samples: int, last: int, record: _Record) -> tuple[int, Array]:
+        """While the torque stays in the stick band nothing moves: only the controller goes on."""
+        law = self.controller
+        theta, _ = self._motion.read()
+        release, load = self._edges.read()
+        error = self.theta - theta
+        while samples < last:
+            states = law.ahead(x, error)
+            torques = bias + states @ law.C + law.D * error
+            out = np.flatnonzero(~((torques > release) & (torques < load)))
+            passed = int(out[0]) if out.size else BLOCK
+            samples, x = samples + passed, states[passed]
+            record.add(samples * law.period, theta, float(torques[passed]))
+            if out.size:
+                break
+        return samples, x
+
+
+class _Record:
+    """Time, angle and torque of a run."""
+
+    def __init__(self, room: float) -> None:
+        self._rows: list[tuple[float, float, float]] = []
+        self._least = REST * room
+        self._next = 0  # rows at which the record is looked at again
+
+    def add(self, time: float, theta: float, torque: float) -> None:
+        self._rows.append((time, theta, torque))
+
+    def decided(self) -> bool:
+        """Whether the latest cycles are equal, or unequal for long. The record is looked at each time it has
+        grown by a fifth."""
+        if len(self._rows) < self._next:
+            return False
+        self._next = math.ceil(1.2 * len(self._rows))
+        return self.cycle() is not None or self.irregular(MANY) is not None
+
+    def rests(self, reference: float) -> bool:
+        """Whether the latest samples are at the reference, but for what counts as rest."""
+        recent = np.array(self._rows[-CHUNK:])[:, 1]
+        return bool(np.abs(recent - reference).max() <= self._least)
+
+    def _late(self, share: float) -> tuple[Array, Array, Array]:
+        """The last part of the record."""
+        time, theta, torque = np.array(self._rows).T
+        late = time >= (1.0 - share) * time[-1]
+        return time[late], theta[late], torque[late]
+
+    def cycle(self) -> LoopMotion | None:
+        """The limit cycle, if the latest cycles are equal."""
+        time, theta, torque = self._late(0.5)
+        low, high = float(theta.min()), float(theta.max())
+        if high - low <= self._least:
+            return None
+        ups = _rises(theta, 0.5 * (low + high), 0.25 * (high - low))[-CYCLES - 1 :]
+        if len(ups) <= CYCLES:
+            return None
+        ranges = np.array([np.ptp(theta[a : b + 1]) for a, b in pairwise(ups)])
+        periods = np.diff(time[ups])
+        resolution = 2.0 * (time[1] - time[0])  # of a period, a sample at each end
+        if np.ptp(ranges) > EQUAL * ranges.max() or np.ptp(periods) > EQUAL * periods.max() + resolution:
+            return None
+        return _settled("cycle", ups, time, theta, torque)
+
+    def settled(self, reference: float, pressed: bool, integrates: bool) -> LoopMotion:
+        """The limit cycle, rest, a stop on which the cam is pressed, or none of them. At rest an integrator
+        that still has an error is not settled."""
+        if found := self.cycle():
+            return found
+        if self.rests(reference):
+            return self._still("rest")
+        if self._quiet() and pressed:
+            return self._still("stop")
+        if self._quiet() and not integrates:
+            return self._still("rest")
+        return self.irregular(FEW) or self.late("undecided")
+
+    def _quiet(self) -> bool:
+        return bool(np.ptp(self._late(LATE)[1]) <= self._least)
+
+    def _still(self, kind: str) -> LoopMotion:
+        _, theta, _ = self._late(LATE)
+        return LoopMotion(kind, 0.0, 0.0, math.nan, float(theta.min()), float(theta.max()))
+
+    def late(self, kind: str) -> LoopMotion:
+        """Ranges of angle and torque at the end of the record."""
+        _, theta, torque = self._late(LATE)
+        low, high = float(theta.min()), float(theta.max())
+        return LoopMotion(kind, 0.5 * (high - low), 0.5 * float(np.ptp(torque)), math.nan, low, high)
+
+    def irregular(self, least: int) -> LoopMotion | None:
+        """Unequal cycles that do not decay, at least so many of them."""
+        time, theta, torque = self._late(LATE)
+        low, high = float(theta.min()), float(theta.max())
+        if high - low <= self._least or np.ptp(self._late(2.0 * LATE)[1]) > PERSISTENT * (high - low):
+            return None
+        ups = _rises(theta, 0.5 * (low + high), 0.25 * (high - low))
+        return _settled("irregular", ups, time, theta, torque) if len(ups) > least else None
+
+
+def _settled(kind: str, ups: list[int], time: Array, theta: Array, torque: Array) -> LoopMotion:
+    """Between the first and the last rise."""
+    whole = slice(ups[0], ups[-1] + 1)
+    low, high = float(theta[whole].min()), float(theta[whole].max())
+    frequency = 2.0 * math.pi * (len(ups) - 1) / float(time[ups[-1]] - time[ups[0]])
+    return LoopMotion(kind, 0.5 * (high - low), 0.5 * float(np.ptp(torque[whole])), frequency, low, high)
+
+
+def _rises(theta: Array, level: float, margin: float) -> list[int]:
+    """Samples at which the angle rises through a level, after it has been below by the margin."""
+    found, armed = [], False
+    for k, value in enumerate(theta - level):
+        if value < -margin:
+            armed = True
+        elif armed and value >= 0.0:
+            found.append(k)
+            armed = False
+    return found

@@ -1,0 +1,215 @@
+"""Does a design last: the stresses, the wear and the fatigue that follow from the tables of a design file.
+
+The formulas are those of dualcam.design. Here they get the values of one design; the check and the report
+show the results.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from dualcam.design import Limits, LineContact, line_contact, wear
+from dualcam.design.strength import strength
+
+if TYPE_CHECKING:
+    from dualcam.design import Fatigue, HelicalSpring, Mechanism, Pin, Wear, WearLife
+    from dualcam.design_file.design import DesignFile
+
+
+@dataclass(frozen=True)
+class SpringNumbers:
+    """Stresses of the helical spring between preload and full stroke.
+
+    Attributes
+    ----------
+    least, largest : float
+        Forces [N].
+    rate : float
+        Rate of the wire and coil [N/m].
+    lower, upper : float
+        Corrected shear stress at both forces [Pa].
+    safety : float
+        Goodman safety [1].
+    static_safety : float
+        Allowed over largest uncorrected shear stress [1].
+    limit : float
+        Least Goodman safety that is allowed [1].
+    has_length : bool
+        Whether the design gives the free length, without which neither length nor buckling is checked.
+    """
+
+    least: float
+    largest: float
+    rate: float
+    lower: float
+    upper: float
+    safety: float
+    static_safety: float
+    limit: float
+    has_length: bool
+
+
+@dataclass(frozen=True)
+class RollerNumbers:
+    """The roller.
+
+    Attributes
+    ----------
+    rolls : bool
+        Whether the roller rolls.
+    friction : float
+        Coefficient of friction in effect [1].
+    rolling_friction, sliding_friction : float
+        That of rolling and that of sliding [1].
+    """
+
+    rolls: bool
+    friction: float
+    rolling_friction: float
+    sliding_friction: float
+
+
+@dataclass(frozen=True)
+class WearNumbers:
+    """Wear up to the allowed depth.
+
+    Attributes
+    ----------
+    depth : float
+        Allowed depth of wear [m].
+    part : str
+        The part that first has this depth: groove 1, groove 2 or pin.
+    cycles : float
+        Slow cycles until then.
+    preload_loss : float or None
+        Preload that the spring has then lost [N]; None if the mechanism does not work any more.
+    load_loss : float or None
+        Largest share of the torque to load that is then lost [1].
+    rolls : bool
+        Whether a roller rolls, so that the wear rates must be those of a rolling contact.
+    """
+
+    depth: float
+    part: str
+    cycles: float
+    preload_loss: float | None
+    load_loss: float | None
+    rolls: bool
+
+
+def spring_forces(mechanism: Mechanism) -> tuple[float, float]:
+    """Least and largest force of the spring between the stops [N]."""
+    low, high = mechanism.spring.force(mechanism.configuration(np.array(mechanism.reach())).z)
+    return float(low), float(high)
+
+
+def spring_fatigue(spring: HelicalSpring, mechanism: Mechanism) -> Fatigue:
+    """Stresses and Goodman safety of the spring between the stops. DesignError where the spring pulls."""
+    return spring.fatigue(*spring_forces(mechanism))
+
+
+def spring_numbers(design: DesignFile, mechanism: Mechanism) -> SpringNumbers | None:
+    """The spring of the design; None without wire and coil."""
+    spring = design.helical_spring
+    if spring is None:
+        return None
+    least, largest = spring_forces(mechanism)
+    cycle = spring.fatigue(least, largest)
+    return SpringNumbers(
+        least=least,
+        largest=largest,
+        rate=spring.rate,
+        lower=cycle.lower,
+        upper=cycle.upper,
+        safety=cycle.safety,
+        static_safety=spring.static_safety(largest),
+        limit=(design.limits or Limits()).spring_safety,
+        has_length=design.spring_limits is not None,
+    )
+
+
+def roller_numbers(design: DesignFile) -> RollerNumbers | None:
+    """The roller of the design; None without one."""
+    roller = design.roller
+    if roller is None:
+        return None
+    return RollerNumbers(roller.rolls, roller.friction, roller.rolling_friction, roller.sliding_friction)
+
+
+def wear_of(design: DesignFile, mechanism: Mechanism) -> Wear | None:
+    """Wear of one slow cycle; None without a pin, and where nothing wears."""
+    rates = (design.value("cam1.wear"), design.value("cam2.wear"))
+    if design.pin is None or not (any(rates) or design.pin.wear):
+        return None
+    turns = design.roller is not None and design.roller.rolls
+    return wear(mechanism, design.pin, rates, turns)
+
+
+def wear_life(design: DesignFile, found: Wear) -> WearLife:
+    """Cycles until a part has the allowed depth of wear."""
+    return found.life((design.limits or Limits()).wear_depth)
+
+
+def wear_numbers(design: DesignFile, mechanism: Mechanism) -> WearNumbers | None:
+    """Wear of the design up to the allowed depth; None where nothing wears."""
+    from dualcam.errors import DesignError
+
+    found = wear_of(design, mechanism)
+    if found is None:
+        return None
+    life = wear_life(design, found)
+    try:
+        worn = found.after(life.cycles)
+    except DesignError:  # the allowed depth is deeper than the formulas hold, or slackens the spring
+        worn = None
+    return WearNumbers(
+        depth=(design.limits or Limits()).wear_depth,
+        part=life.part,
+        cycles=life.cycles,
+        preload_loss=worn.preload_loss if worn else None,
+        load_loss=float(np.nanmax(worn.load_loss)) if worn else None,
+        rolls=found.turns,
+    )
+
+
+def largest_contact(mechanism: Mechanism, pin: Pin, cam: int, theta: float) -> LineContact:
+    """The line contact in the groove of that cam at theta, of slow loading or releasing: the larger load."""
+    found = strength(mechanism, pin, np.array([theta]))
+    bend, load = float(found.curvature[cam - 1, 0]), float(found.load[cam - 1, 0])
+    return line_contact(load, pin, bend)
+
+
+# ---- words ----
+
+
+def roller_words(roller: RollerNumbers) -> str:
+    """Whether the roller rolls, and its friction."""
+    motion = "rolls" if roller.rolls else "slides"
+    return (
+        f"{motion}, coefficient of friction {roller.friction:.4g} (rolling {roller.rolling_friction:.4g},"
+        f" sliding {roller.sliding_friction:.4g})"
+    )
+
+
+def spring_words(spring: SpringNumbers) -> str:
+    """Rate, stresses and safeties."""
+    return (
+        f"rate {spring.rate / 1e3:.4g} N/mm, shear stress {spring.lower / 1e6:.4g} to"
+        f" {spring.upper / 1e6:.4g} MPa, Goodman safety {spring.safety:.3g}, limit {spring.limit:g}; static"
+        f" safety {spring.static_safety:.3g}"
+    )
+
+
+def wear_words(found: WearNumbers) -> str:
+    """The part that wears first, its cycles, and what is then lost."""
+    first = f"{found.part} is {1e3 * found.depth:.4g} mm deep after {found.cycles:.4g} cycles"
+    rolling = "; the roller rolls: the wear rates must be those of a rolling contact" if found.rolls else ""
+    if found.preload_loss is None or found.load_loss is None:
+        return f"{first}; the cam does not work any more then{rolling}"
+    return (
+        f"{first}; then the spring has lost {found.preload_loss:.3g} N of its preload, and the torque to load"
+        f" is up to {100.0 * found.load_loss:.3g} % less{rolling}"
+    )

@@ -1,0 +1,167 @@
+"""The calls of FMI 3.0: co-simulation without event mode, and model exchange."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+from collections.abc import Sequence
+from ctypes import CFUNCTYPE, byref, c_bool, c_char_p, c_double, c_int, c_int32, c_size_t, c_void_p
+from functools import partial
+from typing import Any, ClassVar, Literal
+
+from dualcam.errors import FmuError
+from dualcam.fmi.binary import Use
+from dualcam.fmi.instance import Function, Instance, Reals, References
+from dualcam.fmi.model_description import ModelDescription
+
+LOGGER = CFUNCTYPE(None, c_void_p, c_int, c_char_p, c_char_p)
+DISCARD = 2  # FMI's status
+
+
+class Fmi3Instance(Instance):
+    """An instance of an FMI 3.0 FMU."""
+
+    GET_REAL, SET_REAL, DO_STEP = "fmi3GetFloat64", "fmi3SetFloat64", "fmi3DoStep"
+    FREE_INSTANCE, FREE_STATE = "fmi3FreeInstance", "fmi3FreeFMUState"
+    RESET, EXIT_INITIALIZATION, SET_STATE = "fmi3Reset", "fmi3ExitInitializationMode", "fmi3SetFMUState"
+    CTYPES: ClassVar[dict[str, Any]] = {
+        "Float64": c_double, "Float32": ctypes.c_float,
+        "Int8": ctypes.c_int8, "Int16": ctypes.c_int16, "Int32": c_int32, "Int64": ctypes.c_int64,
+        "UInt8": ctypes.c_uint8, "UInt16": ctypes.c_uint16, "UInt32": ctypes.c_uint32,
+        "UInt64": ctypes.c_uint64, "Enumeration": ctypes.c_int64,
+        "Boolean": c_bool, "String": c_char_p,
+    }  # fmt: skip
+
+    def _instantiate(self, description: ModelDescription, use: Use) -> int | None:
+        messages = self.messages
+
+        def log(_: object, status: int, category: bytes, text: bytes) -> None:
+            messages.append((text or b"").decode(errors="replace"))
+
+        self._logger = LOGGER(log)
+        self._needs_event, self._ends, self._is_early = c_bool(), c_bool(), c_bool()
+        self._reached = c_double()  # s
+        self.step_end = (
+            c_bool(True),  # noSetFMUStatePriorToCurrentPoint
+            *(byref(flag) for flag in (self._needs_event, self._ends, self._is_early)),
+            byref(self._reached),
+        )
+        texts = [c_char_p(text.encode()) for text in (description.model_name, description.guid)]
+        resources = c_char_p(f"{self.directory / 'resources'}{os.sep}".encode())
+        no = c_bool(False)
+        if use == "co-simulation":
+            # not visible, no debug log, no event mode, no early return, no intermediate variables
+            arguments = [*texts, resources, no, no, no, no, None, c_size_t(0), None, self._logger, None]
+            instantiate = self.library.fmi3InstantiateCoSimulation
+        else:
+            arguments = [*texts, resources, no, no, None, self._logger]
+            instantiate = self.library.fmi3InstantiateModelExchange
+        instantiate.restype = c_void_p
+        address: int | None = instantiate(*arguments)
+        return address
+
+    def _loop_functions(self) -> tuple[Function, Function, Function]:
+        step = self.function(self.DO_STEP)
+        step.argtypes = (c_void_p, c_double, c_double, c_bool, *[c_void_p] * 4)  # type: ignore[attr-defined]
+        return self.function(self.GET_REAL), self.function(self.SET_REAL), self._unless_ended(step)
+
+    def step_function(self) -> Function:
+        return self._unless_ended(self.function(self.DO_STEP))
+
+    def _unless_ended(self, step: Function) -> Function:
+        """The step with a status that says when the FMU ends the simulation."""
+        ends, messages = self._ends, self.messages
+
+        def step_unless_ended(*arguments: object) -> int:
+            status = step(*arguments)
+            if ends.value and status < DISCARD:
+                messages.append("the FMU ends the simulation")
+                return DISCARD
+            return status
+
+        step_unless_ended.__name__ = self.DO_STEP
+        return step_unless_ended
+
+    # ---- a run ----
+
+    def initialization_calls(
+        self, tolerance: float | None, time: float = 0.0
+    ) -> list[tuple[str, tuple[object, ...]]]:
+        arguments = (
+            c_bool(tolerance is not None),
+            c_double(tolerance or 0.0),
+            c_double(time),
+            c_bool(False),
+            c_double(0.0),
+        )
+        return [("fmi3EnterInitializationMode", arguments)]
+
+    # ---- values ----
+
+    def real_arguments(self, references: References, values: Reals) -> tuple[object, ...]:
+        return (*super().real_arguments(references, values), c_size_t(len(references)))
+
+    def access(self, action: Literal["Get", "Set"], type_name: str) -> str:
+        return f"fmi3{action}{'Int64' if type_name == 'Enumeration' else type_name}"
+
+    def access_arguments(self, references: References, values: object) -> tuple[object, ...]:
+        return (references, c_size_t(len(references)), values, c_size_t(len(references)))
+
+    def output_derivatives(self, references: References, order: int, values: Reals) -> None:
+        count = c_size_t(len(references))
+        orders = (c_int32 * len(references))(*[order] * len(references))
+        self.call("fmi3GetOutputDerivatives", references, count, orders, values, count)
+
+    def input_derivatives_call(
+        self, references: References, orders: Sequence[int], values: Reals
+    ) -> partial[int]:
+        raise FmuError(
+            "FMI 3.0 has no derivatives of inputs: allowed are values that are constant over a step; take the"
+            " FMI 2.0 FMU, or shorter steps"
+        )
+
+    def directional_derivative(
+        self, unknowns: References, knowns: References, seed: Reals, product: Reals
+    ) -> None:
+        rows, columns = c_size_t(len(unknowns)), c_size_t(len(knowns))
+        self.call(
+            "fmi3GetDirectionalDerivative", unknowns, rows, knowns, columns, seed, columns, product, rows
+        )
+
+    # ---- states ----
+
+    def save_state(self) -> int:
+        address = c_void_p()
+        self.call("fmi3GetFMUState", byref(address))
+        return self._kept("fmi3GetFMUState", address)
+
+    # ---- model exchange ----
+
+    def enter_event_mode(self) -> None:
+        self.call("fmi3EnterEventMode")
+
+    def update_discrete_states(self) -> bool:
+        again, ends, *_ = flags = [c_bool() for _ in range(5)]
+        time = c_double()
+        self.call("fmi3UpdateDiscreteStates", *(byref(flag) for flag in flags), byref(time))
+        if ends.value:
+            raise FmuError("; ".join(["the FMU ends the simulation", *self.messages]))
+        return again.value
+
+    def enter_continuous_time_mode(self) -> None:
+        self.call("fmi3EnterContinuousTimeMode")
+
+    def set_time(self, time: float) -> None:
+        self.call("fmi3SetTime", c_double(time))
+
+    def set_states(self, states: Reals) -> None:
+        self.call("fmi3SetContinuousStates", states, c_size_t(len(states)))
+
+    def get_states(self, states: Reals) -> None:
+        self.call("fmi3GetContinuousStates", states, c_size_t(len(states)))
+
+    def get_derivatives(self, derivatives: Reals) -> None:
+        self.call("fmi3GetContinuousStateDerivatives", derivatives, c_size_t(len(derivatives)))
+
+    def get_event_indicators(self, indicators: Reals) -> None:
+        self.call("fmi3GetEventIndicators", indicators, c_size_t(len(indicators)))

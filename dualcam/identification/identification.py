@@ -1,0 +1,131 @@
+"""The result of an identification, with all that is made of it: doubts, picture, page, design file."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from dualcam.identification.doubts import doubts_of, recording_faults
+from dualcam.identification.result import Fit
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+@dataclass(frozen=True, eq=False)
+class Identification(Fit):
+    """The result of `identify`. Indexing by a name gives the fitted parameter.
+
+    Attributes
+    ----------
+    design : DesignFile
+        The design of the start values.
+    recording : Recording
+        All samples.
+    motion : Motion
+        Motion at the samples that count.
+    time, measured : ndarray, shape (n,)
+        Time [s] and measured torque [N.m] of these samples.
+    low, high : ndarray, shape (n,)
+        Limits of the fitted model's torque [N.m]; both are alike where the cam slips.
+    before : ndarray, shape (n,)
+        Torque of the model with the start values that is nearest to the measured torque [N.m].
+    residual : ndarray, shape (n,)
+        Fitted minus measured torque [N.m]; 0 where a torque at rest is allowed.
+    sliding_speed : ndarray, shape (n,)
+        Sliding speed of the faster contact [m/s].
+    noise : float
+        Standard deviation of the noise of the measured torque [N.m], from neighbouring samples.
+    parameters : tuple of FittedParameter
+        In the order of `fit`.
+    correlation : ndarray, shape (p, p)
+        Correlation of the fitted values.
+    ambiguities : tuple of Ambiguity
+        What the data cannot tell apart.
+    missing : tuple of Missing
+        Values outside of the fit that the residuals ask for, the best one first; see `lack_of_fit`.
+    levers : tuple of Lever
+        Fitted values that a small error of a held value would change strongly.
+    """
+
+    def warnings(self) -> list[str]:
+        """What the data cannot tell apart, and other doubts."""
+        return doubts_of(self)
+
+    def recording_faults(self) -> list[str]:
+        """What makes the recording useless as read: another unit of time, or a torque of opposite sign."""
+        return recording_faults(self)
+
+    def as_dict(self) -> dict[str, Any]:
+        """The result as plain data, for JSON."""
+        return {
+            "samples": len(self.recording),
+            "loading": self.motion.count(1),
+            "releasing": self.motion.count(-1),
+            "at_rest": self.motion.count(0),
+            "motion": self.motion.kind,
+            "residual_rms": self.rms,
+            "residual_rms_before": self.rms_before,
+            "noise": self.noise,
+            "parameters": {
+                one.name: {
+                    "start": one.start,
+                    "value": one.value,
+                    "interval": [one.low, one.high],
+                    "unit": one.unit,
+                    "status": one.status,
+                }
+                for one in self.parameters
+            },
+            "correlation": self.correlation,
+            "not_told_apart": [list(one.names) for one in self.ambiguities],
+            "residuals_ask_for": [one.name for one in self.missing],
+            "samples_that_count": len(self.time),
+            "warnings": self.warnings(),
+        }
+
+    def plot(self) -> Figure:
+        """Measured and fitted torque over the angle, and residuals over angle, sliding speed and time.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+        """
+        from dualcam.identification.picture import plot_identification
+
+        return plot_identification(self)
+
+    def write_report(self, path: str | Path) -> Path:
+        """Write one HTML page with the result.
+
+        Parameters
+        ----------
+        path : str or Path
+            The page (.html).
+
+        Returns
+        -------
+        Path
+            The written file.
+        """
+        from dualcam.identification.page import write_page
+
+        return write_page(self, path)
+
+    def write_design(self, path: str | Path) -> Path:
+        """Write the design file with the fitted values. Comments and all other lines stay.
+
+        Parameters
+        ----------
+        path : str or Path
+            The new design file.
+
+        Returns
+        -------
+        Path
+            The written file.
+        """
+        from dualcam.identification.fitted_design import write_fitted
+
+        return write_fitted(self, path)

@@ -1,0 +1,66 @@
+"""Impedance control: the motor acts like a spring and a damper between a joint and its reference motion."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Impedance:
+    """A virtual spring and damper between a joint and its reference motion.
+
+    Parameters
+    ----------
+    stiffness : float
+        Stiffness of the virtual spring [N.m/rad].
+    damping : float
+        Coefficient of the virtual damper [N.m.s/rad].
+
+    Examples
+    --------
+    >>> from dualcam.systems.blocks.impedance import Impedance
+    >>> Impedance(stiffness=100.0, damping=5.0).torque(error=0.1, rate=-1.0)
+    -5.0
+    """
+
+    stiffness: float
+    damping: float
+
+    @classmethod
+    def tuned(cls, inertia: float, frequency: float, damping_ratio: float) -> Impedance:
+        """The impedance for an inertia.
+
+        Parameters
+        ----------
+        inertia : float
+            Inertia of the joint [kg.m2].
+        frequency : float
+            Natural frequency of the inertia on the virtual spring [Hz].
+        damping_ratio : float
+            Damping ratio [1].
+
+        Returns
+        -------
+        Impedance
+            With this frequency and damping ratio.
+        """
+        rate = 2.0 * math.pi * frequency
+        return cls(rate**2 * inertia, 2.0 * damping_ratio * rate * inertia)
+
+    def torque(self, error: float, rate: float) -> float:
+        """The torque for an error, which is actual minus wanted.
+
+        Parameters
+        ----------
+        error : float
+            Error of the angle [rad].
+        rate : float
+            Error of the speed [rad/s].
+
+        Returns
+        -------
+        float
+            Torque [N.m].
+        """
+        return -self.stiffness * error - self.damping * rate

@@ -1,0 +1,120 @@
+"""Speed control of a load that a cam can hold: PI on speed with feed-forward, and no current at rest."""
+
+from __future__ import annotations
+
+import math
+from typing import Protocol
+
+from dualcam.systems.blocks.gravity import GravityLoad
+from dualcam.systems.blocks.helical_cam import holding_torque
+
+
+class HoldingCam(Protocol):
+    """A cam that holds a load, by the load's angle [rad] and as torque about the load's axis [N.m]."""
+
+    def band(self, angle: float) -> tuple[float, float]:
+        """The stick band.
+
+        Parameters
+        ----------
+        angle : float
+            Angle of the load [rad].
+
+        Returns
+        -------
+        tuple of float
+            Lower and upper edge [N.m].
+        """
+        ...
+
+    def torque(self, angle: float, speed: float) -> float:
+        """The torque that keeps the load moving.
+
+        Parameters
+        ----------
+        angle : float
+            Angle of the load [rad].
+        speed : float
+            Speed of the load [rad/s].
+
+        Returns
+        -------
+        float
+            Torque [N.m].
+        """
+        ...
+
+
+class SpeedController:
+    """PI on speed with feed-forward of inertia, load, friction and damper, from a model of the plant. The
+    integral part is the distance to the planned angle. The motor is off where the cam holds the load.
+
+    Parameters
+    ----------
+    inertia : float
+        Inertia of the load [kg.m2].
+    load : GravityLoad
+        The weight.
+    cam : HoldingCam
+        The cam.
+    torque_limit : float
+        Largest torque of the motor [N.m].
+    bandwidth : float
+        Of both poles, critically damped [Hz].
+    rest_speed : float
+        Speed below which the load may rest [rad/s].
+    rest_margin : float
+        Share of the stick band between a held load and the band's edge [1].
+    period : float
+        Period of the controller [s].
+    """
+
+    def __init__(
+        self,
+        inertia: float,
+        load: GravityLoad,
+        cam: HoldingCam,
+        torque_limit: float,
+        bandwidth: float,
+        rest_speed: float,
+        rest_margin: float,
+        period: float,
+    ) -> None:
+        self.inertia, self.load, self.cam, self.torque_limit = inertia, load, cam, torque_limit
+        self.rest_speed, self.rest_margin, self.period = rest_speed, rest_margin, period
+        w = 2.0 * math.pi * bandwidth
+        self.proportional, self.integral = 2.0 * w, w**2  # 1/s, 1/s2: s^2 + Kp s + Ki = (s + w)^2
+        self.distance = 0.0  # rad, integral of the error of the speed
+
+    def torque(
+        self, angle: float, speed: float, reference: tuple[float, float], next_reference: tuple[float, float]
+    ) -> float:
+        """The motor's torque for the coming period.
+
+        Parameters
+        ----------
+        angle, speed : float
+            Of the load [rad, rad/s].
+        reference : tuple of float
+            Planned angle [rad] and speed [rad/s] at the beginning of the period; the angle is not used.
+        next_reference : tuple of float
+            Planned angle and speed at the end of the period.
+
+        Returns
+        -------
+        float
+            Torque [N.m].
+        """
+        weight = self.load.torque(angle)
+        low, high = self.cam.band(angle)
+        if reference[1] == next_reference[1] == 0.0 and abs(speed) < self.rest_speed and high > low:
+            self.distance = 0.0
+            return holding_torque((low, high), weight, self.rest_margin * (high - low))
+        mean = 0.5 * (reference[1] + next_reference[1])
+        acceleration = (next_reference[1] - reference[1]) / self.period
+        acceleration += self.proportional * (reference[1] - speed) + self.integral * self.distance
+        wanted = self.inertia * acceleration + self.cam.torque(angle, mean) - weight
+        torque = min(max(wanted, -self.torque_limit), self.torque_limit)
+        if torque == wanted:  # at a limit the integral stands still, else it would wind up
+            self.distance += (mean - speed) * self.period
+        return torque
