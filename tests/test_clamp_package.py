@@ -209,7 +209,7 @@ def test_the_row_beside_python_is_the_coupled_run(coupled):
 
 
 def test_the_page_has_every_case():
-    page = (ROOT / "docs/ssp.md").read_text()
+    page = (ROOT / "docs/use-ssp.md").read_text()
     rows = [
         [cell.strip() for cell in line.split("|")]
         for line in page.split("\n")

@@ -218,7 +218,7 @@ def test_growth_of_studies_is_the_measured_one():
     """The tables of the page are those of `./build.sh run studygrowth`."""
     with (DOCS.parent / "benchmarks/results/study_growth.csv").open(newline="", encoding="utf-8") as file:
         rows = {(row["part"], row["what"]): row for row in csv.DictReader(file)}
-    page = TEXTS["docs/use-study-clusters.md"]
+    page = TEXTS["docs/use-study-results.md"]
     costs = [
         float(row["value"]) for (part, what), row in rows.items() if part == "cost of a file" and "ms" in what
     ]

@@ -29,7 +29,7 @@ needs_sphinx = pytest.mark.skipif(
 )
 TOCTREE = re.compile(r"^```\{toctree\}\n(.*?)^```", re.MULTILINE | re.DOTALL)
 API = {path.stem: path.read_text(encoding="utf-8") for path in (DOCS / "api").glob("*.rst")}
-ANSWERS = ("command-line", "stick-band", "masters", "accuracy", "cite")  # what a new user looks for first
+ANSWERS = ("command-line", "stick-band", "masters", "trust", "README")  # what a new user looks for first
 
 
 def limit_processor_time() -> None:
@@ -61,30 +61,32 @@ def test_site_builds_without_a_warning(tmp_path):
 # ---- pages ----
 
 
-def entries(path):
-    """Pages below docs in the toctrees of a page, without ending."""
-    for body in TOCTREE.findall(path.read_text(encoding="utf-8")):
-        for line in body.split():
-            if not line.startswith(":"):
-                target = (path.parent / line.strip("<>")).resolve().relative_to(DOCS).as_posix()
-                listed = sorted(DOCS.glob(f"{target}.md")) if "*" in target else [DOCS / target]
-                yield from (page.relative_to(DOCS).with_suffix("").as_posix() for page in listed)
+def toctree(text):
+    """The entries of the toctree of a page."""
+    return [line for body in TOCTREE.findall(text) for line in body.split() if not line.startswith(":")]
 
 
-def test_every_page_is_in_one_toctree():
-    sections = sorted((DOCS / "site").glob("*.md"))
-    listed = [name for path in [FRONT, *sections] for name in entries(path)]
-    pages = {path.stem for path in OF_DOCS} | {f"site/{path.stem}" for path in sections}
-    assert pages <= set(listed)
-    assert all(listed.count(page) == 1 for page in pages)
+def test_every_page_is_in_one_section(extension):
+    """The sections are the headings of the list of pages, which the front page names."""
+    sections = extension["sections"](extension["LIST"].read_text(encoding="utf-8"))
+    listed = [name for text in sections.values() for name in toctree(text)]
+    assert {f"../{path.stem}" for path in OF_DOCS} <= set(listed)
+    assert len(set(listed)) == len(listed)
+    assert toctree(FRONT.read_text(encoding="utf-8")) == [f"site/{name}" for name in sections]
+    assert {"overview", "contributing", "changelog", "../api/index", "../gallery/index"} <= set(listed)
+
+
+def test_an_earlier_address_leads_to_a_page(extension):
+    pages = {path.stem for path in OF_DOCS}
+    assert set(extension["MOVED"].values()) <= pages and not set(extension["MOVED"]) & pages
 
 
 def test_front_page_leads_to_each_answer_and_each_tutorial():
     text = FRONT.read_text(encoding="utf-8")
     first = text.partition(":::{living-page}")[0]
     tutorials = sorted(path.stem for path in DOCS.glob("tutorial-*.md"))
-    assert re.findall(r"\]\(([\w-]+)\.md\)", first) == [*ANSWERS, "install"]
-    assert set(ANSWERS) | set(tutorials) <= set(re.findall(r"^:link: ([\w/-]+)$", text, re.MULTILINE))
+    assert re.findall(r"\]\(([\w-]+)\.md(?:#[\w-]+)?\)", first) == [*ANSWERS, "install"]
+    assert set(ANSWERS) | set(tutorials) <= set(re.findall(r"^:link: ([\w/-]+)", text, re.MULTILINE))
     for name in re.findall(r"^:link: ([\w/-]+)$", text, re.MULTILINE):
         assert (DOCS / f"{name}.md").is_file() or name == "gallery/index"
 
@@ -98,7 +100,9 @@ def test_commands_of_the_front_page_run(tmp_path):
 
 def test_cited_version_is_this_one():
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    page, reference = ((ROOT / name).read_text(encoding="utf-8") for name in ("docs/cite.md", "CITATION.cff"))
+    page, reference = (
+        (ROOT / name).read_text(encoding="utf-8") for name in ("docs/README.md", "CITATION.cff")
+    )
     assert re.findall(r"version\s*=?\s*\{?([\d.]+\d)", page) == [project["version"]] * 2
     assert re.search(r"^version: (.*)$", reference, re.MULTILINE)[1] == project["version"]
     (date,) = re.findall(r"date\s*= \{(.*)\}", page)
@@ -221,6 +225,6 @@ def test_text_of_docstrings_stays(extension, docstring):
 def test_links_of_pages_outside_of_docs(extension):
     """README.md is a page of the site; what has no page stays a file."""
     target, page = extension["site_target"], DOCS / "site" / "overview.md"
-    assert target(ROOT / "docs/accuracy.md", page) == "../accuracy.md"
+    assert target(ROOT / "docs/trust.md", page) == "../trust.md"
     assert target(ROOT / "CHANGELOG.md", page) == "changelog.md"
-    assert target(ROOT / "CITATION.cff", DOCS / "cite.md") == "../CITATION.cff"
+    assert target(ROOT / "CITATION.cff", DOCS / "README.md") == "../CITATION.cff"

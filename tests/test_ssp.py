@@ -527,7 +527,7 @@ def test_the_story_is_compared():
 
 
 def test_the_page_lists_every_run():
-    lines = (ROOT / "docs/ssp.md").read_text().split("\n")
+    lines = (ROOT / "docs/use-ssp.md").read_text().split("\n")
     for name in NAMES:
         for master in ssp_run.MASTERS:
             row = f"| {name} | {master.name} | {master.version} |"

@@ -9,6 +9,7 @@ from driver import ROOT
 
 pytest.importorskip("tree_sitter_c", reason="needs the extra `strength`")
 
+from benchmarks.harness.circumstances import core_of
 from verification.strength import (
     children,
     choice,
@@ -19,7 +20,6 @@ from verification.strength import (
     schedule,
     sites,
     switch,
-    tree,
 )
 
 CORE = ROOT / "fmu_src"
@@ -193,11 +193,11 @@ def test_results_of_other_sources_do_not_count(tmp_path, monkeypatch):
     source = tmp_path / "fmu_src" / "model" / "small.c"
     source.parent.mkdir(parents=True)
     source.write_text(CODE)
-    before = tree.core_of(tmp_path)
+    before = core_of(tmp_path)
     (source.parent / "notes.txt").write_text("not compiled")
-    assert tree.core_of(tmp_path) == before
+    assert core_of(tmp_path) == before
     source.write_text(CODE + "\n")
-    after = tree.core_of(tmp_path)
+    after = core_of(tmp_path)
     assert after != before
     monkeypatch.setattr(mutants, "RUN", tmp_path)
     (tmp_path / "status").mkdir()
