@@ -432,11 +432,3 @@ def test_versions_are_pinned():
     assert {"ecospy", "libcosimpy", "fmu-manipulation-toolbox"} <= set(install.pins())
     for row in run.ROWS:
         assert re.fullmatch(r"\d+(\.\d+)+", row.version)
-
-
-def test_the_page_lists_every_row():
-    page = (ROOT / "docs/masters.md").read_text()
-    for row in run.ROWS:
-        assert any(
-            row.master in line and row.version in line and row.what in line for line in page.split("\n")
-        )

@@ -735,25 +735,6 @@ def case_study():
         }
 
 
-def test_numbers_of_the_page_are_those_of_the_script():
-    found, page = case_study(), (ROOT / "docs/use-optimise.md").read_text(encoding="utf-8")
-    lines = {
-        "first subject": "heat, first subject",
-        "first subject, 95 % of the parts": "heat of 95 % of the parts, first subject",
-        "second subject, not used in the search": "heat, second subject",
-    }
-    for words, quantity in lines.items():
-        values = (found["knee", design, quantity] for design in ("hand-made", "optimum", "robust optimum"))
-        assert f"| {words} | {' | '.join(f'{value:.2f} J' for value in values)} |" in page
-    for words, quantity in {
-        "1.5 kg": "heat_1.5kg",
-        "without payload": "heat_0kg",
-        "3 kg": "heat_3kg",
-    }.items():
-        values = (found["elbow", design, quantity] for design in ("hand-made", "optimum"))
-        assert f"| {words} | {' | '.join(f'{value:.2f} J' for value in values)} |" in page
-
-
 @pytest.mark.parametrize("design", ["hand-made", "optimum", "robust optimum"])
 def test_designs_of_the_script_give_their_heat(design):
     """Values are kept to six digits."""
