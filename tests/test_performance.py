@@ -31,7 +31,9 @@ from benchmarks.worst_step.study import study
 
 SCENES = {scene.name: scene for scene in scenes()}
 QUIET = Console(quiet=True)
-counts = pytest.mark.skipif(not instructions.available(), reason="valgrind is not installed")
+counts = pytest.mark.skipif(
+    not instructions.available(), reason="valgrind is not installed (Debian: valgrind)"
+)
 PLAIN_GLIBC = "glibc.cpu.hwcaps=-AVX512F,-AVX512VL,-AVX512BW"  # see manual of glibc, Tunables
 is_x86 = sys.platform == "linux" and platform.machine() == "x86_64"
 
