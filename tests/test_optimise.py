@@ -35,7 +35,6 @@ from dualcam.study.optimisation.genetic import hypervolume
 from dualcam.study.optimisation.optimum import unbeaten
 from dualcam.study.optimisation.record import BATCHES, Record
 from dualcam.study.optimisation.run import facts
-from dualcam.study.reading import schema
 from dualcam.study.sampling.formula import formula
 from dualcam.systems import elbow, knee
 
@@ -650,13 +649,6 @@ def test_what_does_not_influence_the_goal_is_named_and_holds_nothing_back():
     assert not any(text.startswith("inertia.shaft") for text in found.holding)
     words = "inertia.shaft has no influence on the goal; any value that keeps the constraints is as good"
     assert found.idle_words() == [words]
-
-
-def test_the_page_names_every_key():
-    shown = set(re.findall(r"^\| `([\w.]+)` \|", (ROOT / "docs/use-optimise.md").read_text(), re.MULTILINE))
-    keys = set(schema.OPTIMISE.model_fields)
-    keys |= {f"constraints.NAME.{key}" for key in schema.GOAL_LIMITS.model_fields}
-    assert keys | {f"tolerances.NAME.{key}" for key in schema.TOLERANCE.model_fields} <= shown
 
 
 def test_all_mistakes_of_a_file_at_once(tmp_path):

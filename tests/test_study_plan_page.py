@@ -85,15 +85,6 @@ def test_an_editor_shows_a_mistake(change, path):
     assert [list(error.absolute_path) for error in errors] == [path]
 
 
-def test_kinds_and_shapes_are_all_on_the_page():
-    from dualcam.study.history import SHAPES
-    from dualcam.study.sampling.designs import KINDS
-
-    text = TEXTS["docs/study-plan.md"]
-    assert all(f"| `{kind}` |" in text for kind in KINDS)
-    assert all(f"`{shape}`" in text or f'"{shape}"' in text for shape in SHAPES)
-
-
 def test_keys_of_pictures_are_those_that_are_read():
     """Their reader knows them apart from the schema."""
     shown = set(re.findall(r"^\| `([\w.]+)` \|", TEXTS["docs/study-plan.md"], re.MULTILINE))
