@@ -11,7 +11,7 @@ import sys
 import numpy as np
 import pytest
 from driver import ROOT
-from scipy.optimize import brentq, minimize
+from scipy.optimize import minimize
 from svg_files import assert_same_picture
 
 from dualcam import Fmu
@@ -42,37 +42,6 @@ def ellipse_law(radius, lead, A, B, chi, psi):
 
 # radius, lead angle, A, B, chi of the grooves of this module, and the FMU's parameters for them
 ELLIPSES = ((0.02, 0.7, 0.06, 0.05, -1), (0.026, 0.5, 0.09, 0.07, 1))
-NAMES = ("radius", "lead_angle", "ellipse_a", "ellipse_b", "ellipse_curvature")
-
-
-def place(theta):
-    """gamma, phi, z and the slopes a_i at theta."""
-    gamma = brentq(
-        lambda g: ellipse_law(*ELLIPSES[0], g)[0] - ellipse_law(*ELLIPSES[1], theta - g)[0],
-        0,
-        theta,
-        xtol=1e-16,
-    )
-    (z, s1), (_, s2) = (ellipse_law(*E, psi) for E, psi in zip(ELLIPSES, (gamma, theta - gamma), strict=True))
-    return np.array([gamma, theta - gamma, z, ELLIPSES[0][0] * s1, ELLIPSES[1][0] * s2])
-
-
-def kinematics(theta):
-    """a_i, gamma', phi', z', gamma'', z'' and z by the page; a_i' by differences."""
-    here, step = place(theta), 1e-5
-    rate = (place(theta + step) - place(theta - step)) / (2 * step)
-    a, a_rate = here[3:], rate[3:]
-    total = a[0] + a[1]
-    turn = np.array([a[1], a[0]]) / total
-    turn_rate = (a_rate[1] * turn[1] - a_rate[0] * turn[0]) / total
-    return (
-        a,
-        turn,
-        a[0] * a[1] / total,
-        turn_rate,
-        a_rate[0] * turn[0] ** 2 + a_rate[1] * turn[1] ** 2,
-        here[2],
-    )
 
 
 @pytest.mark.parametrize("parameters", ELLIPSES)
@@ -102,12 +71,6 @@ def random_contacts(count):
             rng.uniform(-300.0, 300.0),
             rng.uniform(-1.0, 1.0),
         )
-
-
-def forms(a, radius, f):
-    """n_i, d_i and Delta."""
-    n, d = a + f * radius, radius - f * a
-    return n, d, radius[1] * d[0] * n[1] + radius[0] * d[1] * n[0]
 
 
 def test_band_examples():
@@ -147,67 +110,6 @@ def test_loop_of_the_picture():
 
 
 # ---- sections 4 to 7 ----
-
-
-INERTIA = {
-    "inertia.shaft": 0.003,
-    "inertia.follower_mass": 0.4,
-    "inertia.follower": 4e-4,
-    "shaft.damping": 0.02,
-}
-FORCES = {
-    "spring.stiffness2": 2e5,
-    "spring.stiffness3": 3e6,
-    "damper.c_load": 20.0,
-    "damper.q_load": 60.0,
-    "damper.c_release": 35.0,
-    "damper.q_release": 45.0,
-}
-
-
-@pytest.mark.parametrize("sigma", [1, -1])
-def test_equation_of_motion_and_power(sigma):
-    """Against both FMUs, in two elliptical grooves with every force. The same numbers balance the power."""
-    theta, omega, tau, F_ext = 0.8, sigma * 3.0, 9.0, 30.0
-    grooves = {
-        f"cam{i}.{name}": v for i, E in enumerate(ELLIPSES, 1) for name, v in zip(NAMES, E, strict=True)
-    }
-    common = {
-        "cam1.profile": 2,
-        "cam2.profile": 2,
-        "cam2.friction": 0.1,
-        **grooves,
-        **INERTIA,
-        **FORCES,
-        "F_ext": F_ext,
-    }
-    a, turn, dz, turn_rate, dz_rate, z = kinematics(theta)
-    r, mu = np.array([E[0] for E in ELLIPSES]), np.array([0.14, 0.1])
-    J, m, inertia, b = INERTIA.values()
-    v = dz * omega
-    F_s = 50 + z * (50e3 + z * (2e5 + z * 3e6))
-    D = v * (20 + 60 * v) if v > 0 else v * (35 + 45 * abs(v))
-    n, d, _ = forms(a, r, sigma * mu)
-    kappa = d / (r * n)
-    rho = 1 / (kappa[0] + kappa[1])
-    felt = J + rho * m * dz + rho * kappa[0] * inertia * turn[0]
-    by_speed = (rho * m * dz_rate + rho * kappa[0] * inertia * turn_rate) * omega**2
-    alpha = (tau - b * omega - rho * (F_s + F_ext + D) - by_speed) / felt
-    with Fmu(ROOT / "build" / "DualCamForward.fmu") as fmu:
-        fmu.start({**common, "initial.theta": theta, "initial.omega": omega, "tau": tau})
-        assert fmu.real("alpha") == pytest.approx(alpha, rel=1e-8)
-        reported = [fmu.real("cam1.reaction"), fmu.real("cam2.reaction")]
-    with Fmu(ROOT / "build" / "DualCamInverse.fmu") as fmu:
-        fmu.start({**common, "theta": theta, "omega": omega, "alpha": alpha})
-        assert fmu.real("tau") == pytest.approx(tau, rel=1e-8)
-    T = tau - b * omega - J * alpha
-    twist = inertia * (turn[0] * alpha + turn_rate * omega**2)
-    R = np.array([T - twist, T]) * np.hypot(r, a) / (r * n)
-    assert (R > 0).all()
-    assert reported == pytest.approx(R / 2, rel=1e-8)
-    friction = np.sum(mu * R * np.abs(turn * omega) * np.hypot(r, a))
-    kinetic = J * omega * alpha + m * v * (dz * alpha + dz_rate * omega**2) + turn[0] * omega * twist
-    assert tau * omega == pytest.approx(kinetic + (F_s + F_ext + D) * v + friction + b * omega**2, rel=1e-9)
 
 
 # ---- section 8 ----

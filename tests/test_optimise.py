@@ -651,23 +651,6 @@ def test_what_does_not_influence_the_goal_is_named_and_holds_nothing_back():
     assert found.idle_words() == [words]
 
 
-def test_all_mistakes_of_a_file_at_once(tmp_path):
-    path = tmp_path / "wrong.toml"
-    text = PLAN.replace('"20 deg"', '"80 deg"').replace("from = 0.5", "form = 0.5")
-    path.write_text(
-        text.replace('"slsqp"', '"slspq"\nbudgets = 1').replace("torque_release", "torque_releas")
-    )
-    with refused(
-        "5 mistakes",
-        "plan: cam1.lead_angle: from 1.39626 to 1.22173",
-        "optimise has budgets: did you mean budget",
-        "optimise: constraint efficiency has form: did you mean from",
-        "optimise: method = 'slspq'",
-        "no variable 'torque_releas'",
-    ):
-        read_optimisation(path)
-
-
 def test_two_workers_find_the_same_by_the_command_line(tmp_path):
     path = tmp_path / "torque.toml"
     path.write_text(PLAN)
@@ -696,15 +679,6 @@ def test_the_best_design_of_a_scenario_with_formulas(tmp_path, shape):
     if best.scenario is not None:
         assert best.model == "inverse"
         assert best.scenario.stop == 2.0 * best.scenario.inputs["theta"].time[1]
-
-
-def test_a_plan_with_mistakes(tmp_path, capsys):
-    path = tmp_path / "wrong.toml"
-    path.write_text(PLAN.replace("from = 0.5", "form = 0.5"))
-    assert main(["study", str(path), "--out", str(tmp_path / "out")]) == 1
-    assert "optimise: constraint efficiency has form: did you mean from" in " ".join(
-        capsys.readouterr().err.split()
-    )
 
 
 def test_a_plan_whose_constraints_no_design_keeps(tmp_path, capsys):

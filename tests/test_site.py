@@ -159,36 +159,6 @@ def extension():
     return runpy.run_path(str(DOCS / "tools" / "site_extension.py"))
 
 
-def marked(extension, docstring):
-    lines = docstring.split("\n")
-    extension["mark_blocks"](None, "function", "name", None, None, lines)
-    return "\n".join(lines).strip()
-
-
-@pytest.mark.parametrize(
-    "before, after",
-    [
-        ("Text.\n\n    x = 1\n\n    y = 2\n\nText.", "Text.\n\n::\n\n    x = 1\n\n    y = 2\n\nText."),
-        ("a    first\nb    second\n\nText.", "::\n\n    a    first\n    b    second\n\nText."),
-        ("Text::\n\n    x = 1", "Text::\n\n    x = 1"),
-    ],
-)
-def test_blocks_of_docstrings_become_literal(extension, before, after):
-    assert marked(extension, before) == after
-
-
-@pytest.mark.parametrize(
-    "docstring",
-    [
-        "Parameters\n----------\nx : float\n    One paragraph.\n\n    Another paragraph.",
-        "- a point\n\n  that goes on",
-        ">>> f(1)\n1",
-    ],
-)
-def test_text_of_docstrings_stays(extension, docstring):
-    assert marked(extension, docstring) == docstring
-
-
 def test_links_of_pages_outside_of_docs(extension):
     """README.md is a page of the site; what has no page stays a file."""
     target, page = extension["site_target"], DOCS / "site" / "overview.md"

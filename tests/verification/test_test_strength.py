@@ -9,7 +9,6 @@ from driver import ROOT
 pytest.importorskip("tree_sitter_c", reason="needs the extra `strength`")
 
 from verification.strength import (
-    choice,
     coverage,
     decisions,
     judgements,
@@ -134,23 +133,6 @@ def test_marks_tell_whether_a_mistake_ever_makes_a_difference(tmp_path):
     assert list(marks.read_bytes()) == [0, both, switch.REACHED_BIT, both]
 
 
-@pytest.mark.parametrize(
-    "kind, original, compared",
-    [
-        ("comparison", "a[i] < s->b", True),
-        ("comparison", "fabs(x) <= max_of(a, b)", True),
-        ("comparison", "next(&list) < n", False),
-        ("comparison", "n++ < 3", False),
-        ("logic", "a < b && !c", True),
-        ("logic", "p != NULL && p->n > 0", False),  # computing p->n would crash
-        ("arithmetic", "a + b", False),
-    ],
-)
-def test_only_what_has_no_effect_is_computed_twice(kind, original, compared):
-    site = sites.Site("model/x.c", "f", kind, 0, 1, 1, original, "0", 1, False)
-    assert switch.can_be_compared(site) is compared
-
-
 @pytest.mark.skipif(sys.platform != "linux", reason="the marks stand in a file that Linux maps")
 def test_marks_tell_branches_and_what_decides_alone(tmp_path):
     core = tmp_path / "core"
@@ -178,38 +160,8 @@ def test_marks_tell_branches_and_what_decides_alone(tmp_path):
     assert all(alone for _, alone in decision.independent(seen))
 
 
-def test_a_condition_that_cannot_change_has_no_branches_of_its_own(tmp_path):
-    path = tmp_path / "refusals.c"
-    path.write_text("""\
-bool check(double x) { return x > 0.0 || csv_refuse(x); }
-bool either(double x) { return HAS_SHARES && x > 0.0; }
-""")
-    _, found, _ = decisions.marked(path, "model/refusals.c", 0)
-    branches = [[(text, value) for text, value, _ in d.branches(bytes(99))] for d in found]
-    compared = [("x > 0.0", False), ("x > 0.0", True)]
-    assert branches == [[*compared, ("csv_refuse(x)", False)], compared]
-    assert [[text for text, _ in d.independent(bytes(99))] for d in found] == [["x > 0.0"]] * 2
-
-
-# A file of each room; parsing all of them takes some seconds.
-SOME = ("fmi/simulation.c", "forward/decide.c", "numerics/sum.h")
-
-
 def named(reasons):
     return sorted({CORE / key[0] for key in reasons})
-
-
-def places_in(paths):
-    return [s for path in paths for s in sites.sites_of(path, path.relative_to(CORE).as_posix(), {})]
-
-
-def test_the_choice_is_the_same_each_time_and_takes_kinds_in_turn():
-    places = places_in(CORE / name for name in SOME)
-    kinds = {site.kind for site in places}
-    drawn = choice.ordered(places, 1)[: 2 * len(kinds)]
-    assert drawn == choice.ordered(reversed(places), 1)[: len(drawn)]
-    assert {sum(site.kind == kind for site in drawn) for kind in kinds} == {2}
-    assert drawn != choice.ordered(places, 2)[: len(drawn)]
 
 
 def test_each_judged_mutant_is_a_place_of_the_code():
