@@ -706,15 +706,3 @@ def test_the_examples_can_be_run(plan):
     plots.check(one)
     assert not runs_of(one, one.plan.rows(0, 2000)).messages
     assert json.dumps(one.facts())
-
-
-def test_a_table_from_a_file(tmp_path):
-    path = tmp_path / "designs.csv"
-    path.write_text("cam1.radius,contacts\n0.02,1\n0.03,2\n")
-    plan = Plan.from_csv(path)
-    assert plan.names == ["cam1.radius", "contacts"]
-    assert plan.rows(0, 2).tolist() == [[0.02, 1.0], [0.03, 2.0]]
-    assert not runs_of(study(plan)).messages
-    path.write_text("cam1.radius\nlarge\n")
-    with refused("designs.csv"):
-        Plan.from_csv(Path(path))

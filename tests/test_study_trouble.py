@@ -224,33 +224,6 @@ def test_a_picture_without_plots_is_refused_before_the_runs(tmp_path, capsys):
     assert not (tmp_path / "out").exists()
 
 
-@pytest.mark.parametrize(
-    "content, mentions",
-    [
-        ("", ["empty"]),
-        ("cam1.radius\n", ["0 runs"]),
-        ("cam1.radius\n0.02\nnan\n", ["line 3", "cam1.radius", "'nan'", "finite"]),
-        ("cam1.radius,cam1.radius\n0.02,0.03\n", ["two columns cam1.radius"]),
-        ("cam1.radius,cam2.radius\n0.02\n", ["line 2", "column 2", "cam2.radius", "no value"]),
-        ("cam1.radius;cam2.radius\n0,02;0,03;1\n", ["line 2", "3 values", "2 columns"]),
-        ("cam1.radius\n0.02\n\nwide\n", ["line 4", "wide"]),
-    ],
-)
-def test_a_table_with_slips(tmp_path, content, mentions):
-    path = tmp_path / "designs.csv"
-    path.write_text(content)
-    with refused(*mentions):
-        Plan.from_csv(path)
-
-
-def test_a_table_as_spreadsheets_write_it(tmp_path):
-    path = tmp_path / "designs.csv"
-    path.write_bytes("\ufeffcam1.radius, contacts\r\n0.02, 1\r\n\r\n".encode())
-    plan = Plan.from_csv(path)
-    assert plan.names == ["cam1.radius", "contacts"]
-    assert plan.rows(0, 1).tolist() == [[0.02, 1.0]]
-
-
 @pytest.mark.parametrize("wrong, mentions", [
     (lambda: study(results="theta"), ["results = 'theta'", "list"]),
     (lambda: Plan("latin", DESIGN, runs=2.5), ["runs = 2.5", "whole"]),

@@ -9,10 +9,8 @@ from driver import ROOT
 pytest.importorskip("tree_sitter_c", reason="needs the extra `strength`")
 
 from verification.strength import (
-    coverage,
     decisions,
     judgements,
-    mutants,
     sites,
     switch,
 )
@@ -160,25 +158,6 @@ def test_marks_tell_branches_and_what_decides_alone(tmp_path):
     assert all(alone for _, alone in decision.independent(seen))
 
 
-def named(reasons):
-    return sorted({CORE / key[0] for key in reasons})
-
-
-def test_each_judged_mutant_is_a_place_of_the_code():
-    judged, signatures = judgements.listed(), {}
-    for path in sorted(CORE.rglob("*.h")) if any(key[2] == "arguments" for key in judged) else ():
-        signatures |= sites.signatures_of(sites.parse(path.read_bytes()))
-    paths = named(judged)
-    for path in paths:
-        signatures |= sites.signatures_of(sites.parse(path.read_bytes()))
-    known = [s for path in paths for s in sites.sites_of(path, path.relative_to(CORE).as_posix(), signatures)]
-    assert judgements.without_place(judged, known) == [], (
-        "places that are gone: remove them from equivalent.toml"
-    )
-    assert all(len(judgement.reason) > 20 for judgement in judged.values())
-    assert {judgement.verdict for judgement in judged.values()} <= set(mutants.VERDICTS)
-
-
 def test_a_verdict_by_hand_holds_only_for_the_code_that_was_judged(tmp_path):
     """`nth` counts equal mistakes: an edit of the function moves the number to another place."""
 
@@ -203,16 +182,3 @@ def test_a_verdict_by_hand_holds_only_for_the_code_that_was_judged(tmp_path):
     row = dict(zip(judgements.IDENTITY, site.identity, strict=True)) | {"mutant": "7", "verdict": "killed"}
     assert judgements.refuted(known, [row]) == ["7: model/small.c work() is judged: cost only"]
     assert judgements.refuted(known, [row | {"verdict": "cost only"}]) == []
-
-
-def test_each_explained_branch_is_a_branch_of_the_code():
-    known, explained = set(), coverage.reasons()
-    for path in named(explained):
-        _, found, _ = decisions.marked(path, path.relative_to(CORE).as_posix(), 0)
-        known |= {
-            (d.file, d.function, text, value)
-            for d in found
-            for text, value, _ in d.branches(bytes(d.place + d.size))
-        }
-    assert not set(explained) - known, "branches that are gone: remove them from unreached.toml"
-    assert all(len(reason) > 20 for reason in explained.values())
