@@ -23,9 +23,15 @@ RUN = [
     if run_page.is_one_piece(text) or any(block.is_output for block in BLOCKS[name])
 ]
 STUDIES = "docs/use-studies.md"
+# They show the size of an exported FMU, which holds the binaries of all platforms.
+OF_ALL_PLATFORMS = ("docs/tutorial-mechanism-designer.md", "docs/tutorial-system-engineer.md")
 
 
-@pytest.mark.parametrize("page", [name for name in RUN if name != STUDIES])
+def marked(page):
+    return pytest.param(page, marks=[pytest.mark.platforms] * (page in OF_ALL_PLATFORMS))
+
+
+@pytest.mark.parametrize("page", [marked(name) for name in RUN if name != STUDIES])
 def test_page_runs_as_its_reader_runs_it(page, tmp_path):
     run_page.run_page(DOCS.parent / page, tmp_path)
 
