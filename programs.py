@@ -212,7 +212,7 @@ VERIFICATION = (
     ),
     Program(
         *("compare", "Do the FMUs compute the same bits as those of another build? DIRECTORY", 2),
-        "-m verification.builds.compare",
+        "-m verification.compare_builds",
     ),
     Program(
         *("endurance", "Does memory grow over 10^6 lives, or an error over 10^8 steps?", 2),

@@ -9,7 +9,6 @@ import sys
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
-import house
 import pytest
 from driver import ROOT, models
 from pages import DOCS, OF_DOCS, PAGES, TEXTS, load
@@ -190,10 +189,6 @@ def test_links_lead_somewhere(page):
             assert section in [anchor(heading) for heading in headings], link
 
 
-def test_readme_is_short():
-    assert len(README.splitlines()) <= 150
-
-
 def test_index_names_every_page():
     linked = {link.partition("#")[0] for link in LINK.findall(TEXTS["docs/README.md"])}
     assert {path.name for path in OF_DOCS} <= linked
@@ -218,48 +213,12 @@ def test_commands_named_exist(page):
 # ---- architecture.md ----
 
 ARCHITECTURE = TEXTS["docs/architecture.md"]
-LOCATION = re.compile(r"`(\w+)\(\)`(?:, `(\w+)\(\)`)*(?: and `(\w+)\(\)`)? in `([\w/]+\.[ch])`")
 
 
 def test_files_of_the_core_named_exist():
     named = set(re.findall(r"`((?:\w+/)+\w+\.(?:[ch]|def))`", ARCHITECTURE))
     assert len(named) > 20
     assert {name for name in named if not (CORE / name).is_file() and not (ROOT / name).is_file()} == set()
-
-
-def test_words_of_the_core_named_exist():
-    """Fields, types, macros and enumerators, which `name()` in `file` does not have."""
-    sources = [path for kind in ("*.[ch]", "*.def") for path in CORE.rglob(kind)]
-    text = "\n".join(path.read_text(encoding="utf-8") for path in sources)
-    known = set(re.findall(r"\w+", re.sub(r"/\*.*?\*/", "", text, flags=re.DOTALL)))
-    named = set(re.findall(r"`(\w+)(?:\(\))?`", ARCHITECTURE)) - {"fmu_src", *house.MAY_INCLUDE}
-    assert len(named) > 40
-    assert {name for name in named if name not in known} == set()
-
-
-def test_main_headers_are_those_of_the_house():
-    """Their first comment describes the room: tests/test_house.py."""
-    column = dict(re.findall(r"^\| `(\w+)` \| `([\w/]+\.h)` \|", ARCHITECTURE, re.MULTILINE))
-    assert column == house.MAIN_HEADER
-
-
-def test_functions_are_where_the_page_says():
-    """`name()` in `room/file.c`: defined there, not only called."""
-    found = LOCATION.findall(ARCHITECTURE)
-    assert len(found) > 20
-    for *functions, name in found:
-        code = (CORE / name).read_text(encoding="utf-8")
-        for function in filter(None, functions):
-            definition = rf"^[a-zA-Z][^;=\n]*\b{function}\([^;]*?\{{$"
-            assert re.search(definition, code, re.MULTILINE), (function, name)
-
-
-def test_rooms_are_those_of_the_tree_and_include_downwards():
-    figure = load(DOCS / "figures" / "architecture.py")
-    rooms = re.findall(r"^\| `(\w+)` \| ", ARCHITECTURE, re.MULTILINE)
-    assert set(rooms) == figure.rooms_of_tree() == set(figure.ROOMS)
-    upwards = {(user, used) for user, used in figure.includes() if rooms.index(used) > rooms.index(user)}
-    assert upwards == set()
 
 
 def test_picture_of_the_rooms_is_fresh(tmp_path):

@@ -27,8 +27,8 @@ LONGEST = 280  # s of processor time
 needs_sphinx = pytest.mark.skipif(
     importlib.util.find_spec("sphinx_gallery") is None, reason="needs the extra `docs`"
 )
-TOCTREE = re.compile(r"^```\{toctree\}\n(.*?)^```", re.MULTILINE | re.DOTALL)
 API = {path.stem: path.read_text(encoding="utf-8") for path in (DOCS / "api").glob("*.rst")}
+TOCTREE = re.compile(r"^```\{toctree\}\n(.*?)^```", re.MULTILINE | re.DOTALL)
 ANSWERS = ("command-line", "stick-band", "masters", "trust", "README")  # what a new user looks for first
 
 
@@ -132,16 +132,6 @@ def test_every_module_of_systems_is_on_the_page():
     assert {entry.name for entry in pkgutil.iter_modules(systems.__path__)} == listed_names("systems")
 
 
-@pytest.mark.parametrize("page", [page for page in API if page != "systems"])
-def test_names_of_the_api_exist(page):
-    parts = re.split(r"^\.\. currentmodule:: (\S+)$", API[page], flags=re.MULTILINE)
-    assert len(parts) > 1
-    for module, text in zip(parts[1::2], parts[2::2], strict=True):
-        names = re.findall(r"^   ([A-Za-z_]\w*)$", text, re.MULTILINE)
-        holder = importlib.import_module(module)
-        assert [name for name in names if not hasattr(holder, name)] == []
-
-
 # ---- the check of links ----
 
 GOOD = '<p id="top"><a href="#top">up</a> <a href="b.html#one">b</a> <img src="p.png" alt="p"></p>'
@@ -190,36 +180,6 @@ def test_check_finds_what_is_broken(site, html, message):
 def extension():
     pytest.importorskip("sphinx", reason="needs the extra `docs`")
     return runpy.run_path(str(DOCS / "tools" / "site_extension.py"))
-
-
-def marked(extension, docstring):
-    lines = docstring.split("\n")
-    extension["mark_blocks"](None, "function", "name", None, None, lines)
-    return "\n".join(lines).strip()
-
-
-@pytest.mark.parametrize(
-    "before, after",
-    [
-        ("Text.\n\n    x = 1\n\n    y = 2\n\nText.", "Text.\n\n::\n\n    x = 1\n\n    y = 2\n\nText."),
-        ("a    first\nb    second\n\nText.", "::\n\n    a    first\n    b    second\n\nText."),
-        ("Text::\n\n    x = 1", "Text::\n\n    x = 1"),
-    ],
-)
-def test_blocks_of_docstrings_become_literal(extension, before, after):
-    assert marked(extension, before) == after
-
-
-@pytest.mark.parametrize(
-    "docstring",
-    [
-        "Parameters\n----------\nx : float\n    One paragraph.\n\n    Another paragraph.",
-        "- a point\n\n  that goes on",
-        ">>> f(1)\n1",
-    ],
-)
-def test_text_of_docstrings_stays(extension, docstring):
-    assert marked(extension, docstring) == docstring
 
 
 def test_links_of_pages_outside_of_docs(extension):
