@@ -1,15 +1,20 @@
-"""The structure of the source tree: rooms of fmu_src, words, lengths, and which Python files import which.
+"""The structure of the source tree: rooms of fmu_src and dualcam, words, lengths, imports of Python files.
 
-The rules are the tables at the top of support/house.py. Each check runs on this repository, on a small tree
+The rules are the tables at the top of support/house.py, and the docstrings of the rooms of dualcam
+(support/python_rooms.py). Each check runs on this repository, on a small tree
 that keeps all rules, and on one small tree for each way to break a rule.
 """
 
 from pathlib import Path
 
+import house
 import pytest
+import python_rooms
 from driver import ROOT
-from house import CHECKS, MAIN_HEADER, MAY_INCLUDE, MOST_PAIRS, circle, is_abandoned, words_of
+from house import MAIN_HEADER, MAY_INCLUDE, MOST_PAIRS, circle, is_abandoned, words_of
 from longest_files import LONGEST_FILES
+
+CHECKS = {**house.CHECKS, **python_rooms.CHECKS}
 
 
 @pytest.mark.parametrize("check", CHECKS)
@@ -61,8 +66,13 @@ def tree(tmp_path) -> Path:
         {
             "fmu_src/variables.def": "VARIABLE(theta)\n",
             "fmu_src/tools/build.py": "import sys\n\nsys.path.append('.')\n",
-            "dualcam/fmi/handle.py": "import os.path\n",
-            "dualcam/timing.py": "from . import handle\n",
+            "dualcam/__init__.py": "from dualcam.upper import near\n",
+            "dualcam/timing.py": "import os.path\n",
+            "dualcam/lower/__init__.py": '"""A room.\n\nMay import no other room.\n"""\n',
+            "dualcam/lower/deep.py": "import dualcam\nfrom dualcam import timing\n",
+            "dualcam/upper/__init__.py": '"""A room.\n\nMay import lower.\n"""\n',
+            "dualcam/upper/near.py": "from dualcam.lower import deep\nfrom . import far\n",
+            "dualcam/upper/far.py": "",
             "benchmarks/harness/timing.py": "import dualcam\n",
             "benchmarks/cost.py": "from benchmarks.harness import timing\n",
             "tests/test_benchmarks.py": "import benchmarks.cost\n",
@@ -230,6 +240,36 @@ VIOLATIONS = {
         "sys.path",
         {"system_examples/more.py": "from sys import argv, path\n"},
         "system_examples/more.py uses sys.path",
+    ),
+    "import upwards": (
+        "python rooms",
+        {
+            "dualcam/lower/more.py": "def f():\n    from dualcam.upper.far import g\n",
+        },
+        "dualcam.lower.more imports dualcam.upper.far: room lower may not import room upper",
+    ),
+    "package that does not say what it may import": (
+        "python rooms",
+        {"dualcam/other/__init__.py": '"""A package."""\n'},
+        "dualcam/other/__init__.py does not say what the room may import",
+    ),
+    "room that may import itself by others": (
+        "python rooms",
+        {"dualcam/lower/__init__.py": '"""A room.\n\nMay import upper.\n"""\n'},
+        "circle of rooms: lower -> upper -> lower",
+    ),
+    "room that may import no room": (
+        "python rooms",
+        {"dualcam/lower/__init__.py": '"""A room.\n\nMay import cellar.\n"""\n'},
+        "dualcam/lower may import cellar, which is no room",
+    ),
+    "circle between modules": (
+        "python circles",
+        {
+            "dualcam/lower/a.py": "from dualcam.lower.b import f\n",
+            "dualcam/lower/b.py": "def f():\n    import dualcam.lower.a\n",
+        },
+        "circle: dualcam.lower.a -> dualcam.lower.b -> dualcam.lower.a",
     ),
     "benchmarks from the package": (
         "benchmarks apart",

@@ -15,6 +15,8 @@
 
 Everything here is slow motion without damper, external force and inertia, in SI units. An
 impossible design is a DesignError (a ValueError) that names the angle, the value and what is allowed.
+
+May import common, fmi.
 """
 
 from dualcam.common.module_calls import explain_call_of

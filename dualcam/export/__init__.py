@@ -6,7 +6,7 @@
 No compiler is needed. Start values edited in a modelDescription.xml do nothing by themselves: an FMU starts
 from the values in its binary. The export writes both.
 
-May import common, fmi, design, design_file, plots.
+May import common, fmi, scenario, design_file, plots.
 """
 
 from dualcam.common.module_calls import explain_call_of
