@@ -14,5 +14,5 @@
     axis, record                              the forward FMU in a closed loop of all of these, and its record
     axis_bank                                 many axes by one fleet, begun at any state
 
-May import fmi, fleet, design, coupling.
+May import common, fmi, fleet, design, coupling.
 """
