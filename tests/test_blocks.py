@@ -12,7 +12,7 @@ from scipy.integrate import quad
 
 from dualcam import Fmu, systems
 from dualcam.systems.blocks.elliptical_cam import EllipticalCam
-from dualcam.systems.blocks.impedance import Impedance
+from dualcam.systems.blocks.impedance import ImpedanceController
 from dualcam.systems.blocks.motions import FourierSeries
 from dualcam.systems.blocks.pendulum import HingedPendulum, HingeMotion
 
@@ -117,7 +117,7 @@ def test_drive_derivatives(order):
 
 
 def test_impedance_is_a_spring_and_a_damper():
-    controller = Impedance(100.0, 5.0)
+    controller = ImpedanceController(100.0, 5.0)
     assert controller.torque(0.1, 0.0) == pytest.approx(-10.0)
     assert controller.torque(0.0, -2.0) == pytest.approx(10.0)
 

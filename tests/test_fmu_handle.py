@@ -10,7 +10,7 @@ import sys
 import tomllib
 import zipfile
 from ctypes import c_char_p
-from importlib import metadata
+from importlib import metadata, util
 from pathlib import Path
 
 import numpy as np
@@ -20,6 +20,7 @@ from driver import ROOT, models
 import dualcam
 from dualcam import ContinuousFmu, Fmu, FmuError, RepeatedStart, UnknownVariableError
 from dualcam.common import version
+from dualcam.common.moved import MOVED
 from dualcam.fmi import library
 
 FORWARD, INVERSE = (model.fmu for model in models.values())
@@ -694,6 +695,23 @@ def test_public_names():
     }
     assert imported | {"__version__"} == {*dualcam.__all__, *NEED_EXTRA}
     assert (Path(dualcam.__file__).parent / "py.typed").is_file()
+
+
+def test_old_paths_and_names_work_for_one_release():
+    """Without the finders of an editable installation, which may know another checkout."""
+    code = (
+        "import sys, warnings; sys.meta_path[:] = [f for f in sys.meta_path if 'ditable' not in repr(f)]\n"
+        "with warnings.catch_warnings(record=True) as caught:\n"
+        "    warnings.simplefilter('always')\n"
+        "    import dualcam.fmu; from dualcam.systems import motor; from dualcam.systems.gait import Walker\n"
+        "    from dualcam.design import Finding\n"
+        "print(dualcam.fmu.Fmu is dualcam.Fmu, motor.__name__, Finding.__name__)\n"
+        "print(*(f'{one.category.__name__}:{one.filename}' for one in caught))"
+    )
+    assert printed(code)[:3] == ["True", "dualcam.systems.blocks.motor", "LimitViolation"]
+    assert set(printed(code)[3:]) == {"DeprecationWarning:<string>"}
+    for new in MOVED.values():
+        assert util.find_spec(f"dualcam.{new}") is not None
 
 
 def test_version():

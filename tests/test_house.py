@@ -1,14 +1,19 @@
-"""The structure of the source tree: rooms of fmu_src, which include which, loops, and lengths of files.
+"""The structure of the source tree: rooms of fmu_src and dualcam, which include which, loops, lengths.
 
-The rules are the tables at the top of support/house.py. Each check runs on this repository, on a small tree
+The rules are the tables at the top of support/house.py, and the docstrings of the rooms of dualcam
+(support/python_rooms.py). Each check runs on this repository, on a small tree
 that keeps all rules, and on one small tree for each way to break a rule.
 """
 
 from pathlib import Path
 
+import house
 import pytest
+import python_rooms
 from driver import ROOT
-from house import CHECKS, MAY_INCLUDE, MOST_PAIRS, circle
+from house import MAY_INCLUDE, MOST_PAIRS, circle
+
+CHECKS = {**house.CHECKS, **python_rooms.CHECKS}
 
 
 @pytest.mark.parametrize("check", CHECKS)
@@ -43,7 +48,19 @@ def tree(tmp_path) -> Path:
     for room, others in MAY_INCLUDE.items():
         lines = [include(f"{other}/main.h") for other in (room, *others)] + [include("variables.def")]
         write(tmp_path, {f"fmu_src/{room}/main.h": "", f"fmu_src/{room}/work.c": "".join(lines)})
-    write(tmp_path, {"system_examples/two.py": "LINES = 1\n" * 800})
+    write(
+        tmp_path,
+        {
+            "dualcam/__init__.py": "from dualcam.upper import near\n",
+            "dualcam/timing.py": "import os.path\n",
+            "dualcam/lower/__init__.py": '"""A room.\n\nMay import no other room.\n"""\n',
+            "dualcam/lower/deep.py": "import dualcam\nfrom dualcam import timing\n",
+            "dualcam/upper/__init__.py": '"""A room.\n\nMay import lower.\n"""\n',
+            "dualcam/upper/near.py": "from dualcam.lower import deep\nfrom . import far\n",
+            "dualcam/upper/far.py": "",
+            "system_examples/two.py": "LINES = 1\n" * 800,
+        },
+    )
     return tmp_path
 
 
@@ -140,6 +157,36 @@ VIOLATIONS = {
         "fmu_src/model/deep/lost.h is in no room",
     ),
     "unknown room": ("rooms", {"fmu_src/cellar/wine.c": ""}, "fmu_src/cellar/wine.c is in no room"),
+    "import upwards": (
+        "python rooms",
+        {
+            "dualcam/lower/more.py": "def f():\n    from dualcam.upper.far import g\n",
+        },
+        "dualcam.lower.more imports dualcam.upper.far: room lower may not import room upper",
+    ),
+    "package that does not say what it may import": (
+        "python rooms",
+        {"dualcam/other/__init__.py": '"""A package."""\n'},
+        "dualcam/other/__init__.py does not say what the room may import",
+    ),
+    "room that may import itself by others": (
+        "python rooms",
+        {"dualcam/lower/__init__.py": '"""A room.\n\nMay import upper.\n"""\n'},
+        "circle of rooms: lower -> upper -> lower",
+    ),
+    "room that may import no room": (
+        "python rooms",
+        {"dualcam/lower/__init__.py": '"""A room.\n\nMay import cellar.\n"""\n'},
+        "dualcam/lower may import cellar, which is no room",
+    ),
+    "circle between modules": (
+        "python circles",
+        {
+            "dualcam/lower/a.py": "from dualcam.lower.b import f\n",
+            "dualcam/lower/b.py": "def f():\n    import dualcam.lower.a\n",
+        },
+        "circle: dualcam.lower.a -> dualcam.lower.b -> dualcam.lower.a",
+    ),
 }
 
 

@@ -30,7 +30,7 @@ class Kinds(NamedTuple):
     errors: frozenset[str]
 
 
-class Search:
+class RemedySearch:
     """Searches values for the findings of one design. A value that was tried once is not tried again."""
 
     def __init__(

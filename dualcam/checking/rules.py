@@ -16,8 +16,7 @@ from dualcam.checking.durability import durability
 from dualcam.checking.trouble import ERROR, WARNING, Remedy, Trouble, finding_of
 from dualcam.checking.values import value_of
 from dualcam.design import Limits, Mechanism
-from dualcam.design.strength import Finding as Failure
-from dualcam.design.strength import examine
+from dualcam.design.strength import LimitViolation, examine
 from dualcam.design_file import DesignFile, Finding
 from dualcam.errors import DesignError
 
@@ -83,7 +82,7 @@ def _impossible(design: DesignFile, error: DesignError) -> Trouble:
 # ---- failures of the assessment ----
 
 
-def _trouble(design: DesignFile, mechanism: Mechanism, failure: Failure) -> Trouble:
+def _trouble(design: DesignFile, mechanism: Mechanism, failure: LimitViolation) -> Trouble:
     what, text = failure.what, failure.text
     if what.endswith(" ends"):
         return _groove_end(design, mechanism, failure)
@@ -101,7 +100,7 @@ def _trouble(design: DesignFile, mechanism: Mechanism, failure: Failure) -> Trou
     return _of_groove(design, failure, 2 if what.endswith("2") else 1)
 
 
-def _groove_end(design: DesignFile, mechanism: Mechanism, failure: Failure) -> Trouble:
+def _groove_end(design: DesignFile, mechanism: Mechanism, failure: LimitViolation) -> Trouble:
     """A groove that ends before a stop."""
     upper = failure.theta > 0.0 or mechanism.lower >= 0.0
     stop = "stop.upper" if upper else "stop.lower"
@@ -109,7 +108,7 @@ def _groove_end(design: DesignFile, mechanism: Mechanism, failure: Failure) -> T
     return Trouble(finding, (Remedy(stop, 0.5 * failure.theta),))
 
 
-def _shorter(failure: Failure) -> tuple[Remedy, ...]:
+def _shorter(failure: LimitViolation) -> tuple[Remedy, ...]:
     """A range that ends before the angle of the failure."""
     return (Remedy("stop.upper", 0.5 * failure.theta),) if failure.theta > 0.01 else ()
 
@@ -122,7 +121,7 @@ def _jam(design: DesignFile, text: str) -> Trouble:
     return Trouble(finding_of(design, "jam", key, text), tuple(remedies))
 
 
-def _of_groove(design: DesignFile, failure: Failure, i: int) -> Trouble:
+def _of_groove(design: DesignFile, failure: LimitViolation, i: int) -> Trouble:
     what, text = failure.what, failure.text
     lead, friction = f"cam{i}.lead_angle", f"cam{i}.friction"
     is_table = design.value(f"cam{i}.profile") == 3

@@ -7,7 +7,7 @@ from typing import Any
 
 from dualcam.checking.numbers import KeyNumbers, key_numbers
 from dualcam.checking.plausible import implausible
-from dualcam.checking.remedies import Search
+from dualcam.checking.remedies import RemedySearch
 from dualcam.checking.rules import swap_warning, troubles
 from dualcam.checking.trouble import ERROR, WARNING
 from dualcam.common.unit_guards import units_checked_before
@@ -128,7 +128,7 @@ def check_design(design: DesignSource) -> Verdict:
     if causes:
         findings = [trouble.finding for trouble in found]
     else:
-        search = Search(design, found, lambda other: _start_of(other).refusal)
+        search = RemedySearch(design, found, lambda other: _start_of(other).refusal)
         findings = [search.mended(trouble) for trouble in found]
     has_errors = any(finding.severity == ERROR for finding in findings)
     if has_errors and not causes and (swapped := swap_warning(design)):

@@ -1,4 +1,4 @@
-"""Modules that have moved: for one release their old paths still work, with a DeprecationWarning."""
+"""Modules that have moved and names that have changed: for one release the old ones still work, and warn."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import sys
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
     from importlib.machinery import ModuleSpec
     from types import ModuleType
 
@@ -43,6 +43,21 @@ def moved_module(old: str, stacklevel: int) -> ModuleType:
     text = f"dualcam.{old} has moved: import dualcam.{MOVED[old]}. The old path goes with the next release"
     warnings.warn(text, DeprecationWarning, stacklevel=stacklevel + 1)
     return import_module(f"dualcam.{MOVED[old]}")
+
+
+def old_names(module: str, now: dict[str, str]) -> Callable[[str], object]:
+    """A `__getattr__` for a module in which names have changed. `now`: old name -> new name."""
+
+    def __getattr__(name: str) -> object:
+        if name not in now:
+            raise AttributeError(f"module {module!r} has no attribute {name!r}")
+        import warnings
+
+        text = f"{module}.{name} is now called {now[name]}. The old name goes with the next release"
+        warnings.warn(text, DeprecationWarning, stacklevel=2)
+        return getattr(sys.modules[module], now[name])
+
+    return __getattr__
 
 
 class _OldPaths:

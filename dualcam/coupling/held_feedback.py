@@ -17,7 +17,7 @@ LASTING = 0.9  # of the sizes of the first half of the swings, those of the seco
 ROUNDING = 1e-6  # of the torque: smaller swings do not count
 
 
-class Swing(NamedTuple):
+class TorqueSwing(NamedTuple):
     """Of the torque, from one turning point to the next: size and largest change in one step [N.m]."""
 
     steps: int
@@ -37,13 +37,13 @@ class TorqueSwings:
     def __init__(self) -> None:
         self._torque, self._turned_at = math.nan, math.nan  # N.m
         self._steps, self._jump, self._rises = 0, 0.0, False
-        self._swings: deque[Swing] = deque(maxlen=SWINGS)
+        self._swings: deque[TorqueSwing] = deque(maxlen=SWINGS)
 
     def add(self, torque: float) -> None:
         """The torque of the next step [N.m]."""
         change = torque - self._torque
         if change and (change > 0.0) is not self._rises:
-            self._swings.append(Swing(self._steps, abs(self._torque - self._turned_at), self._jump))
+            self._swings.append(TorqueSwing(self._steps, abs(self._torque - self._turned_at), self._jump))
             self._turned_at, self._steps, self._jump, self._rises = self._torque, 0, 0.0, change > 0.0
         self._jump = max(self._jump, abs(change))
         self._torque = torque

@@ -15,9 +15,14 @@
 
 Everything here is slow motion without damper, external force and inertia, in SI units. An
 impossible design is a DesignError (a ValueError) that names the angle, the value and what is allowed.
+
+May import common, fmi.
 """
 
+from typing import TYPE_CHECKING
+
 from dualcam.common.module_calls import explain_call_of
+from dualcam.common.moved import old_names
 from dualcam.design.cut.cam_body import CamBody
 from dualcam.design.cut.export import export_groove
 from dualcam.design.cut.groove_cut import Curve, Flanks, GrooveCut
@@ -31,15 +36,15 @@ from dualcam.design.roller import Roller
 from dualcam.design.spring_search import find_springs
 from dualcam.design.spring_steel import tensile_strength
 from dualcam.design.statics import (
+    BestLeadAngles,
     DesignError,
     EfficiencyMap,
-    Optimum,
     band_factors,
     efficiency,
     efficiency_map,
     optimum,
 )
-from dualcam.design.strength import Assessment, Finding, Limits, assess
+from dualcam.design.strength import Assessment, Limits, LimitViolation, assess
 from dualcam.design.synthesis import propose_spring, synthesize
 from dualcam.design.torque_band import TorqueBand, torque_band
 from dualcam.design.wear import Wear, WearLife, WornMechanism, wear
@@ -47,6 +52,7 @@ from dualcam.design.workflow import TorqueCurve, design_groove
 
 __all__ = [
     "Assessment",
+    "BestLeadAngles",
     "CamBody",
     "Curve",
     "Design",
@@ -54,16 +60,15 @@ __all__ = [
     "EfficiencyMap",
     "Ellipse",
     "Fatigue",
-    "Finding",
     "Flanks",
     "Groove",
     "GrooveCut",
     "HelicalSpring",
     "Helix",
+    "LimitViolation",
     "Limits",
     "LineContact",
     "Mechanism",
-    "Optimum",
     "Pin",
     "Roller",
     "Spring",
@@ -95,3 +100,6 @@ __all__ = [
 ]
 
 explain_call_of(__name__)
+
+if not TYPE_CHECKING:  # type checkers report the old names
+    __getattr__ = old_names(__name__, {"Finding": "LimitViolation", "Optimum": "BestLeadAngles"})

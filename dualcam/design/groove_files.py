@@ -11,15 +11,15 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from dualcam.common.paths import path_of
-from dualcam.common.tables import ANGLE_NAMES, GROOVE_HEADER, UNITS, Quantity, TableKind, read_table
+from dualcam.common.tables import ANGLE_NAMES, GROOVE_HEADER, UNITS, ColumnKind, TableKind, read_table
 from dualcam.design.statics import Array, DesignError
 
 DELIMITERS = (";", ",", " ", "\t")
 GROOVE = TableKind(
     what="groove table",
     quantities={
-        "psi": Quantity("angle", ANGLE_NAMES, order="rises"),
-        "z": Quantity("length", ("z", "height", "lift", "hub"), order="never falls"),
+        "psi": ColumnKind("angle", ANGLE_NAMES, order="rises"),
+        "z": ColumnKind("length", ("z", "height", "lift", "hub"), order="never falls"),
     },
     example=f"psi_deg,z_mm (degrees and millimetres) or {GROOVE_HEADER} (radians and metres)",
     error=DesignError,

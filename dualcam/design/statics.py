@@ -276,7 +276,7 @@ def efficiency(lead_angle: Pair, friction: Pair, radius: Pair = (1.0, 1.0)) -> A
 
 
 @dataclass(frozen=True)
-class Optimum:
+class BestLeadAngles:
     """The pair of lead angles with the best efficiency.
 
     Attributes
@@ -294,7 +294,7 @@ class Optimum:
     friction: float
 
 
-def optimum(friction: Sequence[float], radius: Sequence[float] = (1.0, 1.0)) -> Optimum:
+def optimum(friction: Sequence[float], radius: Sequence[float] = (1.0, 1.0)) -> BestLeadAngles:
     """The best lead angles, in closed form.
 
     Parameters
@@ -306,7 +306,7 @@ def optimum(friction: Sequence[float], radius: Sequence[float] = (1.0, 1.0)) -> 
 
     Returns
     -------
-    Optimum
+    BestLeadAngles
 
     Raises
     ------
@@ -340,7 +340,7 @@ def optimum(friction: Sequence[float], radius: Sequence[float] = (1.0, 1.0)) -> 
             if not (math.isfinite(value) and value >= 0.0 and (name == "friction" or value > 0.0)):
                 raise DesignError(f"{name}[{i}] = {value}: allowed is a finite number from {low} on")
     if mu1 == mu2 == 0.0:
-        return Optimum((math.pi / 4, math.pi / 4), 1.0, 0.0)
+        return BestLeadAngles((math.pi / 4, math.pi / 4), 1.0, 0.0)
     if mu1 == 0.0 or mu2 == 0.0:
         raise DesignError(
             f"friction = {(mu1, mu2)}: the efficiency tends to 1 as one lead angle tends to 0 and the other"
@@ -352,7 +352,7 @@ def optimum(friction: Sequence[float], radius: Sequence[float] = (1.0, 1.0)) -> 
             f"friction = {(mu1, mu2)} is like {mu:.6g} at both contacts: at every pair of lead angles one of"
             " them locks itself, or no torque loads; the mean must be < 1"
         )
-    return Optimum((math.atan(mu1 / mu), math.atan(mu2 / mu)), ((1.0 - mu) / (1.0 + mu)) ** 2, mu)
+    return BestLeadAngles((math.atan(mu1 / mu), math.atan(mu2 / mu)), ((1.0 - mu) / (1.0 + mu)) ** 2, mu)
 
 
 @dataclass(frozen=True)

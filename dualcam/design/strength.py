@@ -89,7 +89,7 @@ class Limits:
 
 
 @dataclass(frozen=True)
-class Finding:
+class LimitViolation:
     """The first angle where a property is outside its limits."""
 
     what: str
@@ -119,7 +119,7 @@ class Strength:
 class Assessment(Strength):
     """Properties over the range, and all findings."""
 
-    findings: tuple[Finding, ...]
+    findings: tuple[LimitViolation, ...]
 
     @property
     def good(self) -> bool:
@@ -178,7 +178,7 @@ def assess(
 
 def examine(
     mechanism: Mechanism, pin: Pin | None, limits: Limits, points: int = POINTS, locate: bool = True
-) -> tuple[Strength, tuple[Finding, ...]]:
+) -> tuple[Strength, tuple[LimitViolation, ...]]:
     """Properties and findings as in `assess`, whether or not theta = 0 is between the stops. Without `locate`
     a failure is given at the first of the `points` angles that fails, which takes less time."""
     low, high = mechanism.reach()
@@ -191,17 +191,17 @@ def examine(
     return found, tuple(finding for finding in findings if finding)
 
 
-def _start_outside(mechanism: Mechanism) -> Finding:
+def _start_outside(mechanism: Mechanism) -> LimitViolation:
     low, high = mechanism.lower, mechanism.upper
     text = f"start at theta = 0: allowed is a range that includes 0, not {low:.6g} to {high:.6g} rad"
-    return Finding("start", 0.0, 0.0, text)
+    return LimitViolation("start", 0.0, 0.0, text)
 
 
-def _outside_limits(mechanism: Mechanism) -> list[Finding]:
+def _outside_limits(mechanism: Mechanism) -> list[LimitViolation]:
     """Parameters that the FMU refuses, by the limits in its modelDescription.xml."""
     known = parameters_of("forward")
     return [
-        Finding(
+        LimitViolation(
             name, mechanism.lower, float(value), f"{name} = {value:.6g}: allowed is {known[name].allowed()}"
         )
         for name, value in mechanism.parameters_without_tables().items()
@@ -209,7 +209,7 @@ def _outside_limits(mechanism: Mechanism) -> list[Finding]:
     ]
 
 
-def _groove_end(mechanism: Mechanism, end: float, stop: float) -> Finding | None:
+def _groove_end(mechanism: Mechanism, end: float, stop: float) -> LimitViolation | None:
     """The groove that ends before a stop, if one does."""
     if end == stop:
         return None
@@ -221,7 +221,7 @@ def _groove_end(mechanism: Mechanism, end: float, stop: float) -> Finding | None
         f"groove {i + 1} ends at psi = {ends[i]:.6g} rad, reached at theta = {end:.6g} rad: allowed is {name}"
         f" stop up to there, not {stop:.6g} rad"
     )
-    return Finding(f"groove {i + 1} ends", end, end, text)
+    return LimitViolation(f"groove {i + 1} ends", end, end, text)
 
 
 def strength(mechanism: Mechanism, pin: Pin | None, theta: Array) -> Strength:
@@ -253,7 +253,9 @@ class _Check:
     allowed: str
     excess: Callable[[Array], Array]  # of values: larger where they are farther outside the limits
 
-    def first(self, mechanism: Mechanism, pin: Pin | None, found: Strength, locate: bool) -> Finding | None:
+    def first(
+        self, mechanism: Mechanism, pin: Pin | None, found: Strength, locate: bool
+    ) -> LimitViolation | None:
         """The first angle where the property is outside its limits, located between the checked angles."""
         whole, good = found, self.good(found)
         while not good.all():
@@ -261,7 +263,7 @@ class _Check:
             low, high = float(found.theta[max(k - 1, 0)]), float(found.theta[k])
             if high - low <= 1e-9 or not locate:
                 value = float(self.value(found)[k])
-                return Finding(self.what, high, value, self._text(whole, high, value))
+                return LimitViolation(self.what, high, value, self._text(whole, high, value))
             found = strength(mechanism, pin, np.linspace(low, high, 33))
             good = self.good(found)
         return None

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from dualcam.common.paths import path_of
-from dualcam.common.tables import ANGLE_NAMES, TORQUE_NAMES, Quantity, TableKind, read_table
+from dualcam.common.tables import ANGLE_NAMES, TORQUE_NAMES, ColumnKind, TableKind, read_table
 from dualcam.design.design import Design
 from dualcam.design.grooves import Groove
 from dualcam.design.mechanism import Spring
@@ -19,8 +19,8 @@ from dualcam.errors import UnitWarning
 TORQUE = TableKind(
     what="torque file",
     quantities={
-        "theta": Quantity("angle", ANGLE_NAMES, order="rises", rule="table.theta"),
-        "torque": Quantity("torque", TORQUE_NAMES),
+        "theta": ColumnKind("angle", ANGLE_NAMES, order="rises", rule="table.theta"),
+        "torque": ColumnKind("torque", TORQUE_NAMES),
     },
     example="theta_deg,torque_Nm",
     error=DesignError,

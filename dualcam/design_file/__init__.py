@@ -8,6 +8,8 @@
     json_schema       the schema for editors
 
 docs/design-file.md describes the keys.
+
+May import common, fmi, design, scenario.
 """
 
 from dualcam.design_file.argument import DesignSource, as_design

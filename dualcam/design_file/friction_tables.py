@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dualcam.common.tables import FRICTION_HEADERS, Quantity, TableKind, fmu_text, read_table
+from dualcam.common.tables import FRICTION_HEADERS, ColumnKind, TableKind, fmu_text, read_table
 from dualcam.errors import DesignError
 
 SPEED = ("v", "speed", "velocity", "sliding speed", "geschwindigkeit", "gleitgeschwindigkeit")
@@ -19,9 +19,9 @@ MU = ("mu", "µ", "μ", "friction", "friction coefficient", "cof", "reibwert", "
 FRICTION = TableKind(
     what="friction table",
     quantities={
-        "v": Quantity("velocity", SPEED, rule="table.v"),
-        "R": Quantity("force", ("r", "load", "force", "reaction", "last", "normalkraft"), needed=False),
-        "mu": Quantity("ratio", MU, rule="table.mu"),
+        "v": ColumnKind("velocity", SPEED, rule="table.v"),
+        "R": ColumnKind("force", ("r", "load", "force", "reaction", "last", "normalkraft"), needed=False),
+        "mu": ColumnKind("ratio", MU, rule="table.mu"),
     },
     example=" or ".join(FRICTION_HEADERS),
     error=DesignError,

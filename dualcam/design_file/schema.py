@@ -12,13 +12,13 @@ from pydantic import (
     AfterValidator,
     BaseModel,
     BeforeValidator,
-    ConfigDict,
     Field,
     WithJsonSchema,
     create_model,
 )
 from pydantic_core import PydanticCustomError
 
+from dualcam.common.toml_table import TomlTable
 from dualcam.common.unit_guards import unit_warning
 from dualcam.common.written_units import quantity
 from dualcam.errors import DesignError
@@ -84,12 +84,6 @@ TIMES = (
     _entry("tolerance", "1", "Relative tolerance of the FMU's integrator", 0.0),
     _entry("output_interval", "s", "Time between two samples of `dualcam simulate`", 0.0),
 )
-
-
-class Table(BaseModel):
-    """A table of the file: no other keys than these."""
-
-    model_config = ConfigDict(extra="forbid", strict=True)
 
 
 # ---- kinds of values ----
@@ -170,7 +164,7 @@ def _default(value: object) -> dict[str, Any] | None:
 
 
 def _table(name: str, description: str, fields: Mapping[str, Any]) -> Any:  # noqa: ANN401
-    model = create_model(name, __base__=Table, __doc__=description, **fields)
+    model = create_model(name, __base__=TomlTable, __doc__=description, **fields)
     return (model, Field(default=None, description=description))
 
 
@@ -214,7 +208,7 @@ def _history_type(variable: SettableVariable) -> Any:  # noqa: ANN401
         "shape": (str, Field(default="linear", description="Between the points: linear or smooth")),
         "derivative_of": (str, Field(default="", description="The input of which this is the derivative")),
     }
-    model = create_model(f"History_{variable.name}", __base__=Table, **fields)
+    model = create_model(f"History_{variable.name}", __base__=TomlTable, **fields)
     points = {"type": "array", "items": {"type": ["number", "string"]}}
     table = {
         "type": "object",
@@ -368,7 +362,7 @@ def design_model() -> type[BaseModel]:
         dict[str, Any],
         Field(default=None, description="A parameter study: plan, results, plots"),
     )
-    return create_model("DesignFile", __base__=Table, __doc__="A design of the dual cam", **top)
+    return create_model("DesignFile", __base__=TomlTable, __doc__="A design of the dual cam", **top)
 
 
 def json_schema() -> dict[str, Any]:
@@ -388,7 +382,7 @@ def known_keys() -> dict[str, str]:
             kind = field.annotation
             if (
                 isinstance(kind, type)
-                and issubclass(kind, Table)
+                and issubclass(kind, TomlTable)
                 and not kind.__name__.startswith("History_")
             ):
                 add(f"{key}.", kind)

@@ -6,14 +6,20 @@
 No compiler is needed. Start values edited in a modelDescription.xml do nothing by themselves: an FMU starts
 from the values in its binary. The export writes both.
 
-May import common, fmi, design, design_file, plots.
+May import common, fmi, scenario, design_file, plots.
 """
 
+from typing import TYPE_CHECKING
+
 from dualcam.common.module_calls import explain_call_of
+from dualcam.common.moved import old_names
 from dualcam.errors import ExportError
-from dualcam.export.exporter import Design, export_fmu
+from dualcam.export.exporter import ExportableDesign, export_fmu
 from dualcam.export.names import model_identifier
 
-__all__ = ["Design", "ExportError", "export_fmu", "model_identifier"]
+__all__ = ["ExportError", "ExportableDesign", "export_fmu", "model_identifier"]
 
 explain_call_of(__name__)
+
+if not TYPE_CHECKING:  # type checkers report the old names
+    __getattr__ = old_names(__name__, {"Design": "ExportableDesign"})

@@ -26,7 +26,7 @@ MOTION = {"theta": 0.0, "omega": 0.0, "alpha": 0.0, "F_ext": 0.0, "shaft.stiffne
 
 
 @dataclass(frozen=True)
-class Curves:
+class SlowMotionCurves:
     """Slow motion without external force. NaN: the mechanism jams there, or the value is infinite.
 
     `theta` [rad] has shape (n,), from the lower to the upper stop. Each entry of `values` has shape (n,), in
@@ -43,7 +43,7 @@ class Curves:
         return float(np.max(magnitudes[np.isfinite(magnitudes)], initial=0.0))
 
 
-def slow_motion_curves(parameters: Mapping[str, Scalar]) -> Curves:
+def slow_motion_curves(parameters: Mapping[str, Scalar]) -> SlowMotionCurves:
     """Curves of a design.
 
     Parameters
@@ -65,7 +65,7 @@ def slow_motion_curves(parameters: Mapping[str, Scalar]) -> Curves:
     state = np.where(np.isfinite(loading), loading, releasing)[: len(STATE)]
     values = {name: np.where(np.isfinite(row), row, np.nan) for name, row in zip(STATE, state, strict=True)}
     reactions = {"loading": loading[len(STATE) :], "releasing": releasing[len(STATE) :]}
-    return Curves(theta, values, reactions)
+    return SlowMotionCurves(theta, values, reactions)
 
 
 def _stops(given: Mapping[str, Scalar]) -> tuple[float, float]:

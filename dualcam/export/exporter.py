@@ -14,7 +14,7 @@ from dualcam.common.unit_guards import units_checked_before
 from dualcam.design_file import as_design
 from dualcam.errors import DualcamWarning, ExportError
 from dualcam.export.changed import PAGE, Change, changed_members
-from dualcam.export.curves import START_INPUTS, Curves, slow_motion_curves
+from dualcam.export.curves import START_INPUTS, SlowMotionCurves, slow_motion_curves
 from dualcam.export.description import Description, typed
 from dualcam.export.figures import figures
 from dualcam.export.names import model_identifier, target_path
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 
 @runtime_checkable
-class Design(Protocol):
+class ExportableDesign(Protocol):
     """What the export needs of a design, such as dualcam.design_file.DesignFile."""
 
     @property
@@ -58,7 +58,7 @@ class Design(Protocol):
 
 
 @dataclass(frozen=True)
-class Plan:
+class ExportPlan:
     """What the exported FMU is to be."""
 
     design: str  # name and title of the design
@@ -70,7 +70,9 @@ class Plan:
     scenario: Scenario | None  # where it drives this model
 
 
-def export_fmu(design: Design | str | Path, path: str | Path, fmi: int = 2, model: str | None = None) -> Path:
+def export_fmu(
+    design: ExportableDesign | str | Path, path: str | Path, fmi: int = 2, model: str | None = None
+) -> Path:
     """Make an FMU whose start values are those of a design. No compiler is needed.
 
     Parameters
@@ -120,7 +122,7 @@ def export_fmu(design: Design | str | Path, path: str | Path, fmi: int = 2, mode
     ...     export_fmu(design, Path(folder) / "MyCam.fmu", fmi=3).name
     'MyCam.fmu'
     """
-    design = design if isinstance(design, Design) else as_design(design)
+    design = design if isinstance(design, ExportableDesign) else as_design(design)
     target = target_path(path)
     model = design.model if model is None else model
     original = fmu_path(model, fmi)
@@ -148,7 +150,7 @@ def export_fmu(design: Design | str | Path, path: str | Path, fmi: int = 2, mode
     return target
 
 
-def _parameters_of_model(design: Design, model: str) -> dict[str, Scalar]:
+def _parameters_of_model(design: ExportableDesign, model: str) -> dict[str, Scalar]:
     """The design's parameters by their names in this model, without those that only the other model has."""
     renamed = START_INPUTS if model == "inverse" else {}
     given = {renamed.get(name, name): value for name, value in design.parameters.items()}
@@ -168,7 +170,7 @@ def _with_theta_in_range(model: str, given: dict[str, Scalar]) -> dict[str, Scal
     return given if low <= 0.0 <= high else given | {"theta": low if low > 0.0 else high}
 
 
-def _plan(design: Design, name: str, model: str, parameters: Mapping[str, Scalar]) -> Plan:
+def _plan(design: ExportableDesign, name: str, model: str, parameters: Mapping[str, Scalar]) -> ExportPlan:
     """Types as in the FMU; tables read."""
     variables = Description(read_members(fmu_path(model))[XML]).variables
     start: dict[str, Scalar] = {}
@@ -180,7 +182,7 @@ def _plan(design: Design, name: str, model: str, parameters: Mapping[str, Scalar
             tables[str(start[key])] = _table(key, str(value))
     called = f'{design.name}, "{design.title}"' if design.title else design.name
     scenario = scenario_for(design.scenario, model)
-    return Plan(called, name, model_identifier(name), model, start, tables, scenario)
+    return ExportPlan(called, name, model_identifier(name), model, start, tables, scenario)
 
 
 def table_file(name: str) -> str:
@@ -198,7 +200,7 @@ def _table(name: str, path: str) -> bytes:
         ) from error
 
 
-def _reference(plan: Plan, curves: Curves, trial: Path) -> Reference:
+def _reference(plan: ExportPlan, curves: SlowMotionCurves, trial: Path) -> Reference:
     """Start the exported FMU, of FMI 2.0 in any case, since both versions share the core; play the run."""
     members, _ = _core_members(plan, read_members(fmu_path(plan.model)))
     write_archive(trial, members)
@@ -206,7 +208,9 @@ def _reference(plan: Plan, curves: Curves, trial: Path) -> Reference:
         return reference_result(fmu, plan.model, curves)
 
 
-def _members(plan: Plan, original: Path, curves: Curves, reference: Reference) -> dict[str, bytes]:
+def _members(
+    plan: ExportPlan, original: Path, curves: SlowMotionCurves, reference: Reference
+) -> dict[str, bytes]:
     """All members of the exported FMU."""
     before = read_members(original)
     members, names = _core_members(plan, before)
@@ -224,7 +228,7 @@ def _members(plan: Plan, original: Path, curves: Curves, reference: Reference) -
     return members | {PAGE: page.encode()}
 
 
-def _core_members(plan: Plan, before: Mapping[str, bytes]) -> tuple[dict[str, bytes], dict[str, str]]:
+def _core_members(plan: ExportPlan, before: Mapping[str, bytes]) -> tuple[dict[str, bytes], dict[str, str]]:
     """All members without page and reference result; the names of the exported FMU."""
     description = Description(before[XML])
     sentence = f"{description.root.attributes['description']}; start values of the design {plan.design}"

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dualcam.common.svg import figure_element
-from dualcam.export.curves import Array, Curves
+from dualcam.export.curves import Array, SlowMotionCurves
 from dualcam.export.reference import Reference
 from dualcam.plots.design import ANGLE, BLUE, GREY, ORANGE, axis_from_zero, figure, legend_above
 
@@ -29,7 +29,7 @@ REACTION = (
 GROOVES = "The part of both grooves in which the pin runs, unrolled."
 
 
-def figures(curves: Curves, reference: Reference) -> str:
+def figures(curves: SlowMotionCurves, reference: Reference) -> str:
     """Four figures as HTML. The bytes depend on the numbers and on the version of Matplotlib."""
     theta = np.degrees(curves.theta)
     found = ""
@@ -50,7 +50,7 @@ def figures(curves: Curves, reference: Reference) -> str:
     return found
 
 
-def _draw_torque(axes: Axes, theta: Array, curves: Curves, reference: Reference) -> None:
+def _draw_torque(axes: Axes, theta: Array, curves: SlowMotionCurves, reference: Reference) -> None:
     """The stick band, and the loop of the reference result."""
     angle, tau = reference.loop()
     axes.plot(np.degrees(angle), tau, color=GREY, linewidth=1.0, label="reference, with F_ext")
@@ -58,11 +58,11 @@ def _draw_torque(axes: Axes, theta: Array, curves: Curves, reference: Reference)
     axes.plot(theta, curves.values["torque_release"], color=BLUE, label="T_release")
 
 
-def _draw_efficiency(axes: Axes, theta: Array, curves: Curves, _: Reference) -> None:
+def _draw_efficiency(axes: Axes, theta: Array, curves: SlowMotionCurves, _: Reference) -> None:
     axes.plot(theta, curves.values["efficiency"], color=BLUE)
 
 
-def _draw_reactions(axes: Axes, theta: Array, curves: Curves, _: Reference) -> None:
+def _draw_reactions(axes: Axes, theta: Array, curves: SlowMotionCurves, _: Reference) -> None:
     """Each line has its own style, since both cams often carry the same."""
     for direction, styles in (("loading", ("-", "--")), ("releasing", ("-.", ":"))):
         for i, (colour, style) in enumerate(zip(CAMS, styles, strict=True)):
@@ -70,7 +70,7 @@ def _draw_reactions(axes: Axes, theta: Array, curves: Curves, _: Reference) -> N
             axes.plot(theta, values, style, color=colour, label=f"cam {i + 1}, {direction}")
 
 
-def _draw_grooves(axes: Axes, theta: Array, curves: Curves, _: Reference) -> None:
+def _draw_grooves(axes: Axes, theta: Array, curves: SlowMotionCurves, _: Reference) -> None:
     """Both grooves where the pin goes: z over gamma, and over theta - gamma."""
     gamma, z = np.degrees(curves.values["gamma"]), 1e3 * curves.values["z"]
     axes.plot(gamma, z, "-", color=CAMS[0], label="cam 1")

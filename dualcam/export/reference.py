@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from dualcam.errors import ExportError, FmuError
-from dualcam.export.curves import Curves
+from dualcam.export.curves import SlowMotionCurves
 from dualcam.export.description import number_text
 from dualcam.fmi.fmu import Fmu
 
@@ -77,7 +77,7 @@ project dualcam holds a result of an independent program.
         return [row[1] for row in self.results], [_between(self.inputs, row[0]) for row in self.results]
 
 
-def reference_result(fmu: Fmu, model: str, curves: Curves) -> Reference:
+def reference_result(fmu: Fmu, model: str, curves: SlowMotionCurves) -> Reference:
     """Play the reference run.
 
     Parameters
@@ -101,7 +101,7 @@ def reference_result(fmu: Fmu, model: str, curves: Curves) -> Reference:
         raise ExportError(f"reference run at {fmu.time:g} s: {error}") from error
 
 
-def _forward(fmu: Fmu, curves: Curves) -> tuple[Rows, Rows]:
+def _forward(fmu: Fmu, curves: SlowMotionCurves) -> tuple[Rows, Rows]:
     """Load, hold under a force, let go, hold."""
     torque = _rounded(SHARE_OF_TORQUE * curves.largest("torque_load"))
     force = _rounded(SHARE_OF_FORCE * curves.largest("spring.force"))
@@ -127,7 +127,7 @@ def _forward(fmu: Fmu, curves: Curves) -> tuple[Rows, Rows]:
     return knots, results
 
 
-def _inverse(fmu: Fmu, curves: Curves) -> tuple[Rows, Rows]:
+def _inverse(fmu: Fmu, curves: SlowMotionCurves) -> tuple[Rows, Rows]:
     """A swing up and back within 1 s, under a growing force."""
     lower, upper = float(curves.theta[0]), float(curves.theta[-1])
     swing = SHARE_OF_RANGE * (upper - lower)

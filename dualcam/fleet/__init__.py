@@ -3,6 +3,8 @@
 Fleet        the instances, with arrays of inputs and outputs
 FleetState   saved states of a fleet
 FleetError   which instances failed, and why
+
+May import common, fmi.
 """
 
 from dualcam.errors import FleetError

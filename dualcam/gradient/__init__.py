@@ -7,6 +7,8 @@
 
 The first three need NumPy alone. `jax_rollout` needs JAX: pip install "dualcam[jax]". `torch_rollout` needs
 PyTorch.
+
+May import common, fmi, fleet.
 """
 
 from dualcam.gradient.rollout import DifferentiableFleet, Gradient, Rollout

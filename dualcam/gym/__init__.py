@@ -9,6 +9,8 @@ Batch        the same tasks without gymnasium's words: torques in, observations 
 ElbowTask, KneeTask, CarDoorTask    what a task is made of, with its ranges and weights
 
 Needs gymnasium: pip install "dualcam[gym]".
+
+May import common, fmi, fleet, systems.blocks, systems.machines.
 """
 
 try:

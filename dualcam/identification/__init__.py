@@ -6,6 +6,8 @@ FittedParameter     one value with its interval
 Ambiguity           unknowns that can change together without a change of the torque
 Recording           samples; `read_recording` reads a CSV file
 fitted_names        what can be fitted
+
+May import common, fmi, design_file, plots, checking.
 """
 
 from dualcam.identification.ambiguity import Ambiguity

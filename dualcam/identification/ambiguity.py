@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from dualcam.errors import FmuError
 from dualcam.identification.least_squares import Solution
-from dualcam.identification.motion import DYNAMIC, Motion
+from dualcam.identification.motion import DYNAMIC, MeasuredMotion
 from dualcam.identification.torque_model import TorqueModel
 from dualcam.identification.unknowns import CAMS, Unknown
 
@@ -50,7 +50,7 @@ class Ambiguity:
 
 
 def ambiguities_of(
-    solution: Solution, unknowns: Sequence[Unknown], motion: Motion, span: float, speeds: Array
+    solution: Solution, unknowns: Sequence[Unknown], motion: MeasuredMotion, span: float, speeds: Array
 ) -> list[Ambiguity]:
     """Directions in the space of the unknowns that the data leave open.
 
@@ -60,7 +60,7 @@ def ambiguities_of(
         Result, with the derivatives of the torque by the unknowns.
     unknowns : sequence of Unknown
         The unknowns.
-    motion : Motion
+    motion : MeasuredMotion
         For the advice.
     span : float
         Range of theta between the stops [rad].
@@ -183,7 +183,7 @@ def _amount(value: float, unknown: Unknown) -> str:
     return f"{value:+.3g}{'' if unknown.unit == '1' else ' ' + unknown.unit}"
 
 
-def _advice(names: tuple[str, ...], motion: Motion, span: float, speeds: Array) -> str:
+def _advice(names: tuple[str, ...], motion: MeasuredMotion, span: float, speeds: Array) -> str:
     """What to record, or to leave out."""
     found: list[str] = []
     lasts = {name.rpartition(".")[2] for name in names}

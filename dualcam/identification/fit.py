@@ -17,7 +17,7 @@ from dualcam.identification.ambiguity import Ambiguity, ambiguities_of, exchange
 from dualcam.identification.identification import Identification
 from dualcam.identification.lack_of_fit import lack_of_fit
 from dualcam.identification.least_squares import Problem, Solution
-from dualcam.identification.motion import AUTO, Motion, motion_of
+from dualcam.identification.motion import AUTO, MeasuredMotion, motion_of
 from dualcam.identification.recording import Recording, read_recording
 from dualcam.identification.result import AT_LIMIT, KNOWN, OPEN, FittedParameter
 from dualcam.identification.smoothing import NARROWEST, noise_between, noise_of
@@ -147,7 +147,7 @@ def _silent(stage: str) -> None:
 
 
 @contextmanager
-def _explained(recording: Recording, motion: Motion) -> Iterator[None]:
+def _explained(recording: Recording, motion: MeasuredMotion) -> Iterator[None]:
     """A question after the unit of time in errors of the FMU, where the recorded speeds are strange."""
     try:
         yield
@@ -157,7 +157,7 @@ def _explained(recording: Recording, motion: Motion) -> Iterator[None]:
         raise
 
 
-def _require_motion(motion: Motion, count: int) -> None:
+def _require_motion(motion: MeasuredMotion, count: int) -> None:
     moving = motion.count(1) + motion.count(-1)
     if moving <= count:
         raise IdentificationError(
@@ -167,7 +167,7 @@ def _require_motion(motion: Motion, count: int) -> None:
         )
 
 
-def _torque_noise(recording: Recording, motion: Motion) -> float:
+def _torque_noise(recording: Recording, motion: MeasuredMotion) -> float:
     """Standard deviation of the torque's noise [N.m], where no reversal makes the torque jump."""
     width = 2 * NARROWEST + 1
     moving = np.convolve(motion.direction, np.ones(width), "same")
@@ -182,7 +182,7 @@ def _torque_noise(recording: Recording, motion: Motion) -> float:
     return max(noise, LEAST_NOISE * float(np.abs(recording.tau).max()))
 
 
-def _thinned(motion: Motion) -> Motion:
+def _thinned(motion: MeasuredMotion) -> MeasuredMotion:
     step = max(1, -(-len(motion.theta) // MOST_SAMPLES))
     arrays = {name: getattr(motion, name)[::step] for name in ("theta", "omega", "alpha", "direction")}
     return replace(motion, **arrays)

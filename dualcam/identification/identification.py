@@ -23,7 +23,7 @@ class Identification(Fit):
         The design of the start values.
     recording : Recording
         All samples.
-    motion : Motion
+    motion : MeasuredMotion
         Motion at the samples that count.
     time, measured : ndarray, shape (n,)
         Time [s] and measured torque [N.m] of these samples.

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from dualcam.design_file import DesignFile
 from dualcam.errors import FmuError
 from dualcam.identification.least_squares import Solution, spread
-from dualcam.identification.motion import DYNAMIC, Motion
+from dualcam.identification.motion import DYNAMIC, MeasuredMotion
 from dualcam.identification.torque_model import TorqueModel
 from dualcam.identification.unknowns import (
     ANGLE_OFFSET,
@@ -105,7 +105,7 @@ class Lever:
 
 def lack_of_fit(
     design: DesignFile,
-    motion: Motion,
+    motion: MeasuredMotion,
     force: Array,
     unknowns: Sequence[Unknown],
     solution: Solution,
@@ -120,7 +120,7 @@ def lack_of_fit(
     ----------
     design : DesignFile
         Values that are held.
-    motion : Motion
+    motion : MeasuredMotion
         Motion at the samples.
     force : ndarray, shape (n,)
         Axial force on the follower [N].
@@ -167,7 +167,7 @@ def _named(unknowns: Sequence[Unknown], name: str) -> Unknown:
     return next(one for one in unknowns if one.name == name)
 
 
-def _others(design: DesignFile, motion: Motion, unknowns: Sequence[Unknown]) -> list[Unknown]:
+def _others(design: DesignFile, motion: MeasuredMotion, unknowns: Sequence[Unknown]) -> list[Unknown]:
     """Values that are not in the fit and can act."""
     owned = {key for one in unknowns for key in one.keys or (one.name,)}
     refused = names_without_effect(design)
@@ -181,7 +181,12 @@ def _others(design: DesignFile, motion: Motion, unknowns: Sequence[Unknown]) -> 
 
 
 def _columns(
-    design: DesignFile, motion: Motion, force: Array, unknowns: Sequence[Unknown], values: Array, fitted: int
+    design: DesignFile,
+    motion: MeasuredMotion,
+    force: Array,
+    unknowns: Sequence[Unknown],
+    values: Array,
+    fitted: int,
 ) -> list[Array | None]:
     """Derivatives of the torque where the cam slips, by each value that is not fitted.
 

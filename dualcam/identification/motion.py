@@ -24,7 +24,7 @@ USUAL = 0.95  # quantile of speeds
 
 
 @dataclass(frozen=True, eq=False)
-class Motion:
+class MeasuredMotion:
     """The motion of cam 2, each array of shape (n,).
 
     Attributes
@@ -70,7 +70,7 @@ class Motion:
         )
 
 
-def motion_of(recording: Recording, kind: str = AUTO, window: float | None = None) -> Motion:
+def motion_of(recording: Recording, kind: str = AUTO, window: float | None = None) -> MeasuredMotion:
     """The motion behind a recording.
 
     Parameters
@@ -84,7 +84,7 @@ def motion_of(recording: Recording, kind: str = AUTO, window: float | None = Non
 
     Returns
     -------
-    Motion
+    MeasuredMotion
 
     Raises
     ------
@@ -120,7 +120,7 @@ def motion_of(recording: Recording, kind: str = AUTO, window: float | None = Non
         theta = np.where(moving, theta, clear[0])
         if kind == QUASI_STATIC:
             theta, omega = clear
-    return Motion(
+    return MeasuredMotion(
         theta,
         omega,
         alpha if kind == DYNAMIC else np.zeros_like(alpha),

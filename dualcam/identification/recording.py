@@ -12,20 +12,20 @@ from numpy.typing import ArrayLike
 
 from dualcam.common.arrays import REAL, TIME, Array, real_array
 from dualcam.common.paths import path_of
-from dualcam.common.tables import ANGLE_NAMES, TORQUE_NAMES, Quantity, TableKind, read_table
+from dualcam.common.tables import ANGLE_NAMES, TORQUE_NAMES, ColumnKind, TableKind, read_table
 from dualcam.errors import IdentificationError, UnitWarning
 
 LEAST_ROWS = 20
 RECORDING = TableKind(
     what="recording",
     quantities={
-        "time": Quantity("time", ("time", "t", "zeit"), order="rises", bare_name="time"),
-        "theta": Quantity("angle", ANGLE_NAMES, bare_name="theta", rule="table.theta"),
-        "tau": Quantity("torque", TORQUE_NAMES, bare_name="tau"),
-        "omega": Quantity(
+        "time": ColumnKind("time", ("time", "t", "zeit"), order="rises", bare_name="time"),
+        "theta": ColumnKind("angle", ANGLE_NAMES, bare_name="theta", rule="table.theta"),
+        "tau": ColumnKind("torque", TORQUE_NAMES, bare_name="tau"),
+        "omega": ColumnKind(
             "angular velocity", ("omega", "speed", "velocity"), needed=False, bare_name="omega"
         ),
-        "F_ext": Quantity("force", ("f_ext", "fext", "force"), needed=False, bare_name="F_ext"),
+        "F_ext": ColumnKind("force", ("f_ext", "fext", "force"), needed=False, bare_name="F_ext"),
     },
     example="time_s,theta_deg,tau_Nm",
     error=IdentificationError,

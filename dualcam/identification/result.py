@@ -13,7 +13,7 @@ from dualcam.design_file import DesignFile
 from dualcam.errors import IdentificationError
 from dualcam.identification.ambiguity import Ambiguity
 from dualcam.identification.lack_of_fit import Lever, Missing
-from dualcam.identification.motion import Motion
+from dualcam.identification.motion import MeasuredMotion
 from dualcam.identification.recording import Recording
 
 if TYPE_CHECKING:
@@ -96,7 +96,7 @@ class Fit:
 
     design: DesignFile
     recording: Recording
-    motion: Motion
+    motion: MeasuredMotion
     time: Array
     measured: Array
     low: Array

@@ -14,7 +14,7 @@ from dualcam.common.unit_guards import units_checked_before
 from dualcam.design_file import DesignFile
 from dualcam.errors import IdentificationError
 from dualcam.fmi.fmu import Fmu, RepeatedStart
-from dualcam.identification.motion import Motion
+from dualcam.identification.motion import MeasuredMotion
 from dualcam.identification.unknowns import ANGLE_OFFSET, ELASTIC, TORQUE_OFFSET, Unknown
 
 Array = NDArray[np.float64]
@@ -33,7 +33,7 @@ class TorqueModel:
     ----------
     design : DesignFile
         Values of all parameters that are not fitted.
-    motion : Motion
+    motion : MeasuredMotion
         Angle, speed and acceleration.
     force : ndarray, shape (n,)
         Axial force on the follower [N].
@@ -48,7 +48,9 @@ class TorqueModel:
         The FMU refuses the design.
     """
 
-    def __init__(self, design: DesignFile, motion: Motion, force: Array, unknowns: Sequence[Unknown]) -> None:
+    def __init__(
+        self, design: DesignFile, motion: MeasuredMotion, force: Array, unknowns: Sequence[Unknown]
+    ) -> None:
         if design.value(ELASTIC):
             raise IdentificationError(
                 f"{ELASTIC} = {design.value(ELASTIC):g} N.m/rad: allowed is a rigid shaft, {ELASTIC} = 0."
@@ -164,7 +166,7 @@ class TorqueModel:
         return min(loading, releasing, release, load), max(loading, releasing, release, load)
 
 
-def _check_range(motion: Motion, lower: float, upper: float, design: DesignFile) -> None:
+def _check_range(motion: MeasuredMotion, lower: float, upper: float, design: DesignFile) -> None:
     """IdentificationError for angles that the design does not have."""
     least, greatest = float(motion.theta.min()), float(motion.theta.max())
     slack = BEYOND * (upper - lower)

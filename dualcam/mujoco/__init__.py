@@ -15,6 +15,8 @@ DriveTrain      the cam between a motor and the joint: the forward FMU, an elast
 CamSimulation   one mjData or many, with their cams: step, reset, save, restore
 
 Needs mujoco: pip install "dualcam[mujoco]".
+
+May import common, fmi, fleet, design_file, systems.blocks.
 """
 
 try:

@@ -2,7 +2,7 @@
 
     write_report      writes the page of a design
 
-May import common, fmi, design, design_file, simulation, plots, checking.
+May import common, fmi, scenario, design, design_file, simulation, plots, checking.
 """
 
 from dualcam.common.module_calls import explain_call_of

@@ -3,7 +3,7 @@
     simulate        runs the scenario of a design
     Trajectory      the result: arrays by the names of variables, written as CSV or Parquet
 
-May import common, fmi, design_file.
+May import common, fmi, scenario, design_file.
 """
 
 from dualcam.simulation.run import Trajectory, simulate

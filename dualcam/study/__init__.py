@@ -15,6 +15,8 @@ when):
 
 Everything goes through FMI alone: it works with any FMU of FMI 2.0 or FMI 3.0. `dualcam study
 plan.toml` is the same on the command line.
+
+May import common, fmi, fleet, scenario, design, design_file, checking, report.
 """
 
 from __future__ import annotations

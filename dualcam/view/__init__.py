@@ -3,6 +3,8 @@
     write_view      writes the page of a design
 
 Modules of the page: app.js starts the page, player.js is the clock, engine.js calls the FMU's functions.
+
+May import common, fmi, design_file, export.
 """
 
 from dualcam.common.module_calls import explain_call_of

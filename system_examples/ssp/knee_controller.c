@@ -1,6 +1,6 @@
 /* The knee's controller: a spring and a damper between the joint and the measured motion.
  *
- * The law is that of Impedance in dualcam/systems/blocks/impedance.py.
+ * The law is that of ImpedanceController in dualcam/systems/blocks/impedance.py.
  */
 #include <math.h>
 #include <stddef.h>

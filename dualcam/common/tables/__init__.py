@@ -2,14 +2,14 @@
 
 docs/tables.md says what the reader takes.
 
-TableKind, Quantity     what a table is for: its columns, their names, units and order
+TableKind, ColumnKind     what a table is for: its columns, their names, units and order
 read_table              columns of such a table in SI units, from a file
 read_columns            columns by the names in the header, as plans of studies have them
 fmu_text, is_fmu_text   the one format that the FMU reads
 """
 
 from dualcam.common.tables.fmu_format import FRICTION_HEADERS, GROOVE_HEADER, fmu_text, is_fmu_text
-from dualcam.common.tables.kinds import ANGLE_NAMES, TORQUE_NAMES, Quantity, TableError, TableKind
+from dualcam.common.tables.kinds import ANGLE_NAMES, TORQUE_NAMES, ColumnKind, TableError, TableKind
 from dualcam.common.tables.reader import Converter, HumanTable, read_columns, read_table
 from dualcam.common.tables.units import UNITS, in_unit
 
@@ -19,9 +19,9 @@ __all__ = [
     "GROOVE_HEADER",
     "TORQUE_NAMES",
     "UNITS",
+    "ColumnKind",
     "Converter",
     "HumanTable",
-    "Quantity",
     "TableError",
     "TableKind",
     "fmu_text",

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from itertools import islice
 from typing import NamedTuple
 
-from dualcam.common.tables.kinds import Quantity, TableError, TableKind
+from dualcam.common.tables.kinds import ColumnKind, TableError, TableKind
 from dualcam.common.tables.rows import LONGEST, SEPARATORS, is_number, split
 from dualcam.common.tables.text import Line, Lines
 from dualcam.common.tables.units import KINDS, UNITS, Head, head_of, known_unit
@@ -188,7 +188,7 @@ def _column(place: int, head: Head, name: str, kind: TableKind) -> Column | None
     return Column(place, "", 1.0) if needs_none else None
 
 
-def _of_kind(heads: Sequence[Head], quantity: Quantity, kind: TableKind) -> list[Column]:
+def _of_kind(heads: Sequence[Head], quantity: ColumnKind, kind: TableKind) -> list[Column]:
     """Columns with a unit of the quantity's kind, without the name of another quantity."""
     alike = (other for other in kind.quantities.values() if other.kind == quantity.kind)
     names = {word for other in alike for word in other.words}

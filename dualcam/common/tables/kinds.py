@@ -17,7 +17,7 @@ class TableError(DualcamError):
 
 
 @dataclass(frozen=True)
-class Quantity:
+class ColumnKind:
     """One column of a table.
 
     Attributes
@@ -52,7 +52,7 @@ class TableKind:
     ----------
     what : str
         The file in messages, such as "groove table".
-    quantities : mapping of str to Quantity
+    quantities : mapping of str to ColumnKind
         Columns by name.
     example : str
         A good header.
@@ -65,7 +65,7 @@ class TableKind:
     """
 
     what: str
-    quantities: Mapping[str, Quantity]
+    quantities: Mapping[str, ColumnKind]
     example: str
     error: type[DualcamError]
     least: int = 1

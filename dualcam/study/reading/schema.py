@@ -9,9 +9,10 @@ from functools import cache, partial
 from types import GenericAlias
 from typing import Annotated, Any
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema, create_model
+from pydantic import BeforeValidator, Field, WithJsonSchema, create_model
 from pydantic_core import PydanticCustomError
 
+from dualcam.common.toml_table import TomlTable
 from dualcam.study.entries import (
     NUMBER,
     NUMBERS_BY_NAME,
@@ -50,12 +51,6 @@ JSON: dict[str, dict[str, Any]] = {  # JSON Schema of each kind, by its words
 }
 
 
-class Table(BaseModel):
-    """A table of the file: no other keys than these."""
-
-    model_config = ConfigDict(extra="forbid", strict=True)
-
-
 def _entry(kind: Kind, description: str, *, needed: bool = False, enum: tuple[str, ...] = ()) -> Any:  # noqa: ANN401
     """The type and the field of a key."""
 
@@ -82,7 +77,7 @@ def _field(description: str, words: str, needed: bool) -> Any:  # noqa: ANN401
 
 
 def _table(name: str, description: str, fields: Mapping[str, Any]) -> Any:  # noqa: ANN401
-    return create_model(name, __base__=Table, __doc__=description, **fields)
+    return create_model(name, __base__=TomlTable, __doc__=description, **fields)
 
 
 def _nested(kind: Any, description: str, words: str = TABLE.words, needed: bool = False) -> Any:  # noqa: ANN401

@@ -13,10 +13,11 @@ from __future__ import annotations
 import time as clock
 from collections.abc import Mapping
 from itertools import pairwise
-from typing import NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import numpy as np
 
+from dualcam.common.moved import old_names
 from dualcam.design.statics import Array
 from dualcam.fmi.fmu import Fmu, Scalar
 from dualcam.systems.blocks.current_loop import CurrentLoop, MotorPeriod
@@ -43,7 +44,7 @@ class Load(Protocol):
         ...
 
 
-class Controller(Protocol):
+class AxisController(Protocol):
     """A controller that follows a reference motion."""
 
     def torque(
@@ -406,7 +407,7 @@ class Recorder:
 def simulate_closed_loop(
     axis: CamAxis,
     load: Load,
-    controller: Controller,
+    controller: AxisController,
     current_loop: CurrentLoop,
     reference: tuple[Array, Array],
     *,
@@ -420,7 +421,7 @@ def simulate_closed_loop(
         The axis, started.
     load : Load
         The load on the axis.
-    controller : Controller
+    controller : AxisController
         Is asked once per control period.
     current_loop : CurrentLoop
         The motor under its current loop; gives the control period.
@@ -468,3 +469,7 @@ def simulate_closed_loop(
         load_torque = axis.step(motor.torque, load, period)
         recorder.add(axis, command, motor, load_torque, angle)
     return recorder.record(angles[1:])
+
+
+if not TYPE_CHECKING:  # type checkers report the old names
+    __getattr__ = old_names(__name__, {"Controller": "AxisController"})

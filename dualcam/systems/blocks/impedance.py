@@ -4,31 +4,37 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from dualcam.common.moved import old_names
 
 
 @dataclass(frozen=True)
-class Impedance:
+class ImpedanceController:
     """A virtual spring and damper between a joint and its reference motion.
 
-    Parameters
-    ----------
-    stiffness : float
-        Stiffness of the virtual spring [N.m/rad].
-    damping : float
-        Coefficient of the virtual damper [N.m.s/rad].
+        Parameters
+        ----------
+        stiffness : float
+            Stiffness of the virtual spring [N.m/rad].
+        damping : float
+            Coefficient of the virtual damper [N.m.s/rad].
 
-    Examples
-    --------
-    >>> from dualcam.systems.blocks.impedance import Impedance
-    >>> Impedance(stiffness=100.0, damping=5.0).torque(error=0.1, rate=-1.0)
-    -5.0
+        Examples
+        --------
+        >>> from typing import TYPE_CHECKING
+
+    from dualcam.common.moved import old_names
+    from dualcam.systems.blocks.impedance import ImpedanceController
+        >>> ImpedanceController(stiffness=100.0, damping=5.0).torque(error=0.1, rate=-1.0)
+        -5.0
     """
 
     stiffness: float
     damping: float
 
     @classmethod
-    def tuned(cls, inertia: float, frequency: float, damping_ratio: float) -> Impedance:
+    def tuned(cls, inertia: float, frequency: float, damping_ratio: float) -> ImpedanceController:
         """The impedance for an inertia.
 
         Parameters
@@ -42,7 +48,7 @@ class Impedance:
 
         Returns
         -------
-        Impedance
+        ImpedanceController
             With this frequency and damping ratio.
         """
         rate = 2.0 * math.pi * frequency
@@ -64,3 +70,7 @@ class Impedance:
             Torque [N.m].
         """
         return -self.stiffness * error - self.damping * rate
+
+
+if not TYPE_CHECKING:  # type checkers report the old names
+    __getattr__ = old_names(__name__, {"Impedance": "ImpedanceController"})

@@ -6,5 +6,5 @@
     car_door                                  a car's side door
     clamp                                     a spring clamp that warms up
 
-May import common, fmi, fleet, design, systems.blocks.
+May import fmi, design, systems.blocks.
 """

@@ -20,7 +20,7 @@ from dualcam.fmi.fmu import Fmu
 from dualcam.systems.blocks.axis import CamAxis, Recorder
 from dualcam.systems.blocks.current_loop import CURRENT_BANDWIDTH, CURRENT_RATE, CurrentLoop, MotorPeriod
 from dualcam.systems.blocks.elliptical_cam import EllipticalCam
-from dualcam.systems.blocks.impedance import Impedance
+from dualcam.systems.blocks.impedance import ImpedanceController
 from dualcam.systems.blocks.motor import AK80_6
 from dualcam.systems.blocks.record import Record
 from dualcam.systems.machines.gait import DESIGN_WALKER, Walker
@@ -193,7 +193,7 @@ def best_damping_scale(cam: EllipticalCam, motion: Swing) -> float:
 # ---- the closed loop ----
 
 
-def impedance(inertia: float, frequency: float = NATURAL_FREQUENCY) -> Impedance:
+def impedance(inertia: float, frequency: float = NATURAL_FREQUENCY) -> ImpedanceController:
     """The controller of all joints.
 
     Parameters
@@ -205,10 +205,10 @@ def impedance(inertia: float, frequency: float = NATURAL_FREQUENCY) -> Impedance
 
     Returns
     -------
-    Impedance
+    ImpedanceController
         With DAMPING_RATIO.
     """
-    return Impedance.tuned(inertia, frequency, DAMPING_RATIO)
+    return ImpedanceController.tuned(inertia, frequency, DAMPING_RATIO)
 
 
 def plant_parameters(cam: Mapping[str, float], walker: Walker) -> dict[str, float]:
@@ -229,7 +229,9 @@ def plant_parameters(cam: Mapping[str, float], walker: Walker) -> dict[str, floa
     return {**cam, "inertia.shaft": inertia(walker), "stop.lower": 0.0, "stop.upper": RANGE}
 
 
-def simulate(fmu: Fmu, motion: Swing, cam: Mapping[str, float], controller: Impedance | None) -> KneeSwing:
+def simulate(
+    fmu: Fmu, motion: Swing, cam: Mapping[str, float], controller: ImpedanceController | None
+) -> KneeSwing:
     """One swing.
 
     The drive goes to the FMU as a polynomial of time with its first two derivatives, the motor's torque as
@@ -243,7 +245,7 @@ def simulate(fmu: Fmu, motion: Swing, cam: Mapping[str, float], controller: Impe
         The measured motion, which is the plan.
     cam : mapping of str to float
         Start values of the cam.
-    controller : Impedance or None
+    controller : ImpedanceController or None
         None: the motor is off.
 
     Returns

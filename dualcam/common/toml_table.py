@@ -1,0 +1,11 @@
+"""The base of the schemas of design files and study plans."""
+
+from __future__ import annotations
+
+from pydantic import BaseModel, ConfigDict
+
+
+class TomlTable(BaseModel):
+    """A table of a file: no other keys than these, and no values of other types."""
+
+    model_config = ConfigDict(extra="forbid", strict=True)
