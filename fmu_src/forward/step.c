@@ -192,15 +192,14 @@ static void describe_loss(const Mechanism *m, char text[REASON_SIZE]) {
 
 /* The reason of a failed step; `m` is the mechanism at the instant of the failure. */
 static void describe_reason(const Mechanism *m, Outcome outcome, char text[REASON_SIZE]) {
-    switch (outcome) {
-        case OUTCOME_LOST: describe_loss(m, text); return;
-        case OUTCOME_NOT_FINITE: snprintf(text, REASON_SIZE, "the motion leaves the range of numbers"); return;
-        case OUTCOME_TOO_MANY_WEDGES: snprintf(text, REASON_SIZE, "the contacts wedge and let go without end"); return;
-        case OUTCOME_TOO_MUCH_WORK:
-            snprintf(text, REASON_SIZE, "the step needs too many evaluations of the motion");
-            return;
-        default: snprintf(text, REASON_SIZE, "the step needs too many segments");
-    }
+    static const char *const reason[] = {
+        [OUTCOME_NOT_FINITE] = "the motion leaves the range of numbers",
+        [OUTCOME_TOO_MANY_WEDGES] = "the contacts wedge and let go without end",
+        [OUTCOME_TOO_MANY_SEGMENTS] = "the step needs too many segments",
+        [OUTCOME_TOO_MUCH_WORK] = "the step needs too many evaluations of the motion",
+    };
+    if (outcome == OUTCOME_LOST) describe_loss(m, text);
+    else snprintf(text, REASON_SIZE, "%s", reason[outcome]);
 }
 
 /* Describes why a step of h seconds is refused; undo() has brought `m` back to the start of the step. */
