@@ -285,15 +285,6 @@ static bool advance_by_segments(Mechanism *m, double h, const Segment *first, co
     return false;
 }
 
-/* Makes the step in closed form if it has no event. */
-static inline bool slips_in_closed_form(Mechanism *m, double h) {
-    Segment segment;
-    if (!closed_form_slip_quiet(m, h, &segment) || !segment_is_in_range(&segment)) return false;
-    remember_step(m, h);
-    segment_apply(m, &segment);
-    return true;
-}
-
 /* A step that is one segment in the mode of the latest step needs no decision. This is the common case. */
 bool mechanism_advance_watched(Mechanism *m, double h, Watcher *watcher, Fault *fault) {
     const bool constant = inputs_constant(&m->inputs);
@@ -303,10 +294,10 @@ bool mechanism_advance_watched(Mechanism *m, double h, Watcher *watcher, Fault *
     }
     if (!constant && !check_inputs(&m->inputs, h, fault)) return false;
     const bool closed_form = constant ? m->model.closed_form : is_closed_form(m);
-    if (closed_form && slips_in_closed_form(m, h)) return true;
     Segment segment;
     LobattoHint hint = {.refused = true};
-    const bool quiet = !closed_form && collocation_slip_quiet(m, h, &hint, &segment);
+    const bool quiet = closed_form ? closed_form_slip_quiet(m, h, &segment) && segment_is_in_range(&segment)
+                                   : collocation_slip_quiet(m, h, &hint, &segment);
     if (quiet && segment.duration == h) {
         remember_step(m, h);
         segment_apply(m, &segment);
