@@ -134,15 +134,14 @@ static bool is_positive(const Determinant *d, const Transmission *transmission) 
  * load. */
 typedef struct {
     const Transmission *transmission;
-    size_t piece;
     int intervals; /* of a piece, between its samples */
-    int sample;
+    size_t next;
     double theta;
     TransmissionPoint point;
 } Sampler;
 
 static Sampler sampler_of(const Params *p, const Transmission *transmission) {
-    Sampler s = {.transmission = transmission, .sample = -1};
+    Sampler s = {.transmission = transmission};
     if (!transmission->straight || any_friction_depends_on_load(p))
         s.intervals = transmission->count < JAM_MANY_PIECES ? JAM_SAMPLES : JAM_SAMPLES_OF_MANY;
     return s;
@@ -150,16 +149,13 @@ static Sampler sampler_of(const Params *p, const Transmission *transmission) {
 
 /* Goes on to the next place; false after the last one. */
 static bool next_sample(Sampler *s) {
-    if (++s->sample > s->intervals) {
-        s->sample = 0;
-        s->piece++;
-    }
-    if (s->piece >= s->transmission->count) return false;
-    const TransmissionPiece *piece = &s->transmission->piece[s->piece];
-    s->theta = piece->lower;
-    if (s->sample > 0)
-        s->theta = s->sample == s->intervals ? piece->upper
-                                             : piece->lower + (piece->upper - piece->lower) * s->sample / s->intervals;
+    const size_t places = (size_t)s->intervals + 1, n = s->next++;
+    if (n >= places * s->transmission->count) return false;
+    const TransmissionPiece *piece = &s->transmission->piece[n / places];
+    const int sample = (int)(n % places);
+    if (sample == 0) s->theta = piece->lower;
+    else if (sample == s->intervals) s->theta = piece->upper;
+    else s->theta = piece->lower + (piece->upper - piece->lower) * sample / s->intervals;
     s->point = piece_at(piece, s->theta);
     return true;
 }

@@ -78,13 +78,14 @@ static Candidate closed_form_candidate(const Mechanism *m, const LinearSlipMode 
     const bool inertial = linear->regime == REGIME_INERTIAL,
                rate_independent = linear->regime == REGIME_RATE_INDEPENDENT;
     const double net = linear_slip_net_torque(linear, &start);
+    const double resistance = inertial ? linear->mass : linear->damping;
     const double free = inertial ? net - linear->damping * start.omega : net; /* start.alpha keeps to the direction */
     Candidate c = {
         .possible = true,
         .regime = linear->regime,
-        .motion = rate_independent ? start.omega : free / (inertial ? linear->mass : linear->damping),
+        .motion = rate_independent ? start.omega : free / resistance,
         .net = net,
-        .rounding = rate_independent ? tie : tie / (inertial ? linear->mass : linear->damping),
+        .rounding = rate_independent ? tie : tie / resistance,
         .stiffness = linear->stiffness,
         .axial = {linear->transfer.axial[0], linear->transfer.axial[1]},
     };

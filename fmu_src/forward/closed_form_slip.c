@@ -6,25 +6,6 @@
 #include "forward/decide.h"
 #include "forward/stick.h"
 
-/* Inlined into each method: a step takes no longer than the copy of the struct. */
-static inline LinearSegment segment_from_here(const Mechanism *m, const LinearSlipMode *linear) {
-    return (LinearSegment){
-        .linear = linear,
-        .params = &m->params,
-        .geometry = &m->configuration.geometry,
-        .start = slip_start_of(m, linear),
-        .work = m->work,
-        .to_stop = angle_to_stop(m, linear->direction),
-        .flanks = has_friction(&m->params),
-        .edge = {min_of(m->configuration.band.load, STEEPEST_EDGE),
-                 max_of(m->configuration.band.release, -STEEPEST_EDGE)},
-    };
-}
-
-LinearSegment linear_segment_from_here(const Mechanism *m, const LinearSlipMode *linear) {
-    return segment_from_here(m, linear);
-}
-
 static void raise_peaks(const LinearSegment *s, const SegmentEnds *ends, Peaks *peak) {
     linear_segment_peaks(s, ends, peak);
     peak_raise(&peak->torque, s->start.tau);
@@ -53,7 +34,7 @@ bool closed_form_slip_quiet(Mechanism *m, double h, Segment *segment) {
     const int index = present_slip_index(m);
     const LinearSlipMode *linear = kept_linear_slip(m, index);
     if (linear->regime != REGIME_INERTIAL || !(linear->direction * m->state.omega.hi > 0.0)) return false;
-    const LinearSegment s = segment_from_here(m, linear);
+    const LinearSegment s = linear_segment_from_here(m, linear);
     Kernel *kernel = &m->cache.kernel[index];
     if (kernel->t != h) oscillator_kernel(&linear->oscillator, h, kernel);
     SegmentEnds ends;
@@ -71,7 +52,7 @@ static bool crosses(const Mechanism *m, int contact, int i) {
 void closed_form_slip_propose(Mechanism *m, double left, Segment *segment) {
     const int index = present_slip_index(m);
     const LinearSlipMode *linear = kept_linear_slip(m, index);
-    const LinearSegment s = segment_from_here(m, linear);
+    const LinearSegment s = linear_segment_from_here(m, linear);
     const LinearEvent last = linear_event_horizon(&s, min_of(left, linear->oscillator.horizon));
     Kernel kernel = m->cache.kernel[index];
     if (kernel.t != last.t) oscillator_kernel(&linear->oscillator, last.t, &kernel);

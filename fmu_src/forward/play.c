@@ -23,8 +23,8 @@ typedef struct {
 
 /* The band's edge at one angle. */
 typedef struct {
-    double torque;      /* N.m; infinite: no torque moves the mechanism on */
-    int pattern;        /* sign of F_0 and flanks; the edge has a kink where the pattern changes */
+    double torque; /* N.m; infinite: no torque moves the mechanism on */
+    int pattern; /* sign of F_0 and flanks, or that no torque moves the mechanism; the edge has a kink where it changes */
     double dz_dtheta;   /* m/rad */
     double heat[2];     /* N.m, friction heat per angle at contact i */
     double sliding[2];  /* N.m, reaction times sliding distance per angle at contact i */
@@ -37,18 +37,18 @@ NOINLINE static Edge edge_at(const EdgePath *path, double theta) {
     const TransmissionPoint point = piece_at(path->piece, theta);
     Geometry g = cam_geometry(m->params.cam, point.slope);
     const double F_0 = spring_force(&m->params.spring, point.z) + m->inputs.F_ext[0];
-    const int away = F_0 < 0.0 ? -path->direction : path->direction; /* the band is mirrored */
-    Edge edge = {.dz_dtheta = g.dz_dtheta, .pattern = F_0 < 0.0 ? 8 : 0};
+    const int side = F_0 < 0.0 ? -1 : 1; /* where F_0 < 0 the band is mirrored */
+    Edge edge = {.dz_dtheta = g.dz_dtheta, .pattern = SLIP_MODE_COUNT};
     int flank[2];
     Transfer t;
     cam_set_load(&m->params, F_0, &g);
-    if (!contact_edge(&g, away, flank, &t)) {
+    if (!contact_edge(&g, side * path->direction, flank, &t)) {
         const bool begins = fabs(theta - m->state.theta.hi) <= path->unloaded && !stick_force_counts(m, F_0);
         edge.torque = F_0 == 0.0 || begins ? 0.0 : (double)path->direction * (double)INFINITY;
         return edge;
     }
     edge.torque = t.rho * F_0;
-    edge.pattern += 4 + (flank[0] > 0 ? 2 : 0) + (flank[1] > 0 ? 1 : 0);
+    edge.pattern = slip_index(side, flank);
     for (int i = 0; i < 2; i++) {
         const double x = fabs(t.axial[i] * F_0);
         edge.heat[i] = cam_heat(&g, i) * x;
@@ -154,7 +154,7 @@ static bool cross_piece(const EdgePath *path, double end, double bump, Jump *jum
 
 void play_jump(const Mechanism *m, int direction, double torque, double bump, Jump *jump) {
     const Transmission *transmission = &m->model.transmission;
-    const double stop = direction > 0 ? m->params.stop.upper : m->params.stop.lower;
+    const double stop = stop_ahead(&m->params.stop, direction);
     const TransmissionPiece *last = direction > 0 ? transmission->piece + transmission->count - 1 : transmission->piece;
     const TransmissionPiece *first = transmission_piece(transmission, m->state.theta.hi, direction);
     const double unloaded = stick_is_unloaded(m) ? PLAY_FIRST_SAMPLE * (first->upper - first->lower) : 0.0;

@@ -192,15 +192,14 @@ static void describe_loss(const Mechanism *m, char text[REASON_SIZE]) {
 
 /* The reason of a failed step; `m` is the mechanism at the instant of the failure. */
 static void describe_reason(const Mechanism *m, Outcome outcome, char text[REASON_SIZE]) {
-    switch (outcome) {
-        case OUTCOME_LOST: describe_loss(m, text); return;
-        case OUTCOME_NOT_FINITE: snprintf(text, REASON_SIZE, "the motion leaves the range of numbers"); return;
-        case OUTCOME_TOO_MANY_WEDGES: snprintf(text, REASON_SIZE, "the contacts wedge and let go without end"); return;
-        case OUTCOME_TOO_MUCH_WORK:
-            snprintf(text, REASON_SIZE, "the step needs too many evaluations of the motion");
-            return;
-        default: snprintf(text, REASON_SIZE, "the step needs too many segments");
-    }
+    static const char *const reason[] = {
+        [OUTCOME_NOT_FINITE] = "the motion leaves the range of numbers",
+        [OUTCOME_TOO_MANY_WEDGES] = "the contacts wedge and let go without end",
+        [OUTCOME_TOO_MANY_SEGMENTS] = "the step needs too many segments",
+        [OUTCOME_TOO_MUCH_WORK] = "the step needs too many evaluations of the motion",
+    };
+    if (outcome == OUTCOME_LOST) describe_loss(m, text);
+    else snprintf(text, REASON_SIZE, "%s", reason[outcome]);
 }
 
 /* Describes why a step of h seconds is refused; undo() has brought `m` back to the start of the step. */
@@ -286,15 +285,6 @@ static bool advance_by_segments(Mechanism *m, double h, const Segment *first, co
     return false;
 }
 
-/* Makes the step in closed form if it has no event. */
-static inline bool slips_in_closed_form(Mechanism *m, double h) {
-    Segment segment;
-    if (!closed_form_slip_quiet(m, h, &segment) || !segment_is_in_range(&segment)) return false;
-    remember_step(m, h);
-    segment_apply(m, &segment);
-    return true;
-}
-
 /* A step that is one segment in the mode of the latest step needs no decision. This is the common case. */
 bool mechanism_advance(Mechanism *m, double h, Watcher *watcher, Fault *fault) {
     const bool constant = inputs_constant(&m->inputs);
@@ -304,10 +294,10 @@ bool mechanism_advance(Mechanism *m, double h, Watcher *watcher, Fault *fault) {
     }
     if (!constant && !check_inputs(&m->inputs, h, fault)) return false;
     const bool closed_form = constant ? m->model.closed_form : is_closed_form(m);
-    if (closed_form && slips_in_closed_form(m, h)) return true;
     Segment segment;
     LobattoHint hint = {.refused = true};
-    const bool quiet = !closed_form && collocation_slip_quiet(m, h, &hint, &segment);
+    const bool quiet = closed_form ? closed_form_slip_quiet(m, h, &segment) && segment_is_in_range(&segment)
+                                   : collocation_slip_quiet(m, h, &hint, &segment);
     if (quiet && segment.duration == h) {
         remember_step(m, h);
         segment_apply(m, &segment);
