@@ -13,7 +13,7 @@
 #define DUALCAM_EVENT_LOCATION_H
 
 #include "collocation/radau_step.h"
-#include "model/event_kind.h"
+#include "model/mode.h"
 
 typedef struct {
     RadauStep step;

@@ -191,14 +191,6 @@ bool radau_step_solve(const SlipMode *slip, const Balance *start, double h, int 
     return true;
 }
 
-double radau_step_time_scale(const SlipMode *slip, const Balance *b) {
-    const RightHandSide *p = &b->rhs;
-    double rate = fabs(p->by_omega);
-    rate += slip->regime == REGIME_INERTIAL ? sqrt(fabs(p->by_theta)) : fabs(p->by_theta);
-    if (slip->regime == REGIME_RATE_INDEPENDENT) rate = 0.0;
-    return 1.0 / max_of(rate, DBL_MIN);
-}
-
 /* ---- peaks ---- */
 
 typedef enum { PEAK_SPEED, PEAK_REACTION_1, PEAK_REACTION_2 } PeakQuantity;

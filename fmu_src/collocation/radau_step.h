@@ -39,9 +39,6 @@ typedef struct {
  * converge, or if a node leaves the range in which the slip mode is possible: then a shorter step may succeed. */
 bool radau_step_solve(const SlipMode *slip, const Balance *start, double h, int stages, RadauStep *step);
 
-/* Time scale of the motion, s: where h is a small share of it, few stages suffice. */
-double radau_step_time_scale(const SlipMode *slip, const Balance *start);
-
 static inline const Balance *radau_step_end(const RadauStep *step) {
     return &step->node[step->method->stages - 1];
 }
