@@ -151,7 +151,7 @@ static EnergyEnds energy_ends_of(const SlipMode *slip, const RadauStep *step) {
 /* Error: the speeds at the nodes must add up to the distance. The integrals of work and heat miss the same amount. */
 static bool follow_edge(RadauSystem *s, RadauStep *step) {
     const Radau *r = s->method;
-    if (!radau_system_follow_edge(s, step->node)) return false;
+    if (!radau_system_follow_edge(s, step->node, &step->angle_noise)) return false;
     for (int j = 0; j < r->stages; j++) {
         s->y[j] = step->node[j].omega;
         step->node_dtheta[j] = step->node[j].theta - s->start->theta;
@@ -159,7 +159,6 @@ static bool follow_edge(RadauSystem *s, RadauStep *step) {
     step->dtheta = step->node_dtheta[r->stages - 1];
     step->domega = 0.0;
     const double missed = fabs(step->dtheta - s->h * radau_dot(r->weight, s->y, r->stages));
-    step->angle_noise = radau_system_edge_noise(s, step->node);
     const double rounding = ANGLE_ROUNDING * (fabs(s->start->theta) + fabs(step->dtheta)) + step->angle_noise;
     step->error = max_of(missed - rounding, 0.0) / (fabs(step->dtheta) + DBL_MIN) / s->slip->params->tolerance;
     return true;
