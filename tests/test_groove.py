@@ -120,7 +120,7 @@ class Transmission(Structure):
     ]
 
 
-FILES = ["geometry/groove_csv", "geometry/transmission_build"]
+FILES = ["geometry/groove_table", "geometry/transmission_build"]
 STRUCTURES = [
     CamParams,
     StopParams,

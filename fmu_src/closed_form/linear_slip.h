@@ -21,8 +21,8 @@
 #include "contact/contact.h"
 #include "model/elements.h"
 #include "model/ledger.h"
+#include "model/mode.h"
 #include "model/params.h"
-#include "model/regime.h"
 
 /* A slip mode and its constant coefficients. */
 typedef struct {

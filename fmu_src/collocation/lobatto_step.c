@@ -50,15 +50,6 @@ static bool stays_on_patch(const LobattoSystem *s, int i) {
     return ahead <= step.longest[0] && back <= step.back[0];
 }
 
-/* Does the nominal load of contact i change little enough to be seen by the nodes? */
-static bool resolves_load(const LobattoSystem *s, int i) {
-    const FrictionFall *fall = &s->slip->law[i].fall;
-    if (fall->low == 0.0) return true;
-    const LobattoValues load = signed_loads(s, i);
-    const LobattoRange range = lobatto_range(&load);
-    return friction_load_share(fall, range.low, range.high) == 1.0;
-}
-
 /* Where friction varies: does it change little enough over the step to be seen by the nodes? */
 static bool resolves_friction(const LobattoSystem *s) {
     const LobattoRange range = lobatto_range(&s->speed);
@@ -67,10 +58,15 @@ static bool resolves_friction(const LobattoSystem *s) {
             if (!stays_on_piece(s, i) || (s->patch[i] != NULL && !stays_on_patch(s, i))) return false;
             continue;
         }
-        if (!resolves_load(s, i)) return false;
+        const FrictionFall *fall = &s->slip->law[i].fall;
+        if (fall->low != 0.0) {
+            const LobattoValues load = signed_loads(s, i);
+            const LobattoRange loads = lobatto_range(&load);
+            if (friction_load_share(fall, loads.low, loads.high) < 1.0) return false;
+        }
         const double sliding = s->pair[0].sliding[i][0], v[2] = {range.low * sliding, range.high * sliding};
         const double low = v[0] < v[1] ? v[0] : v[1], high = v[0] < v[1] ? v[1] : v[0];
-        if (!friction_is_resolved(&s->slip->law[i].fall, s->speed.at[0] * sliding, low, high)) return false;
+        if (!friction_is_resolved(fall, s->speed.at[0] * sliding, low, high)) return false;
     }
     return true;
 }
@@ -278,14 +274,6 @@ NOINLINE static void start_on_tables(LobattoSystem *s, double omega, StartFricti
     }
 }
 
-/* F^2 at the start, N^2. */
-static double start_force2(const SlipMode *slip, const LobattoStart *from) {
-    const double v = from->geometry->dz_dtheta * from->omega;
-    const double force =
-        spring_force(&slip->params->spring, from->z) + slip->inputs->F_ext[0] + slip_damper_force(slip, v);
-    return force * force;
-}
-
 /* f_i of a law at the start: with the excess that falls, and without. */
 static void start_on_law(const LobattoSystem *s, int i, double v, StartFriction *out) {
     const FrictionNearby *law = s->law[i];
@@ -303,7 +291,11 @@ static void start_on_law(const LobattoSystem *s, int i, double v, StartFriction 
 
 /* The nominal loads of both contacts at the start, see lobatto_friction(), and their powers, in one vector. */
 static void find_start_loads(LobattoSystem *s, const LobattoStart *from, double load2[2]) {
-    const double force2 = start_force2(s->slip, from);
+    const SlipMode *slip = s->slip;
+    const double v = from->geometry->dz_dtheta * from->omega;
+    const double force =
+        spring_force(&slip->params->spring, from->z) + slip->inputs->F_ext[0] + slip_damper_force(slip, v);
+    const double force2 = force * force;
     for (int i = 0; i < 2; i++) {
         const double sliding = cam_sliding(from->geometry, i);
         load2[i] = force2 * sliding * sliding * s->law[i]->per_load2[0];

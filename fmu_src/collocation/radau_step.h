@@ -39,14 +39,22 @@ typedef struct {
  * converge, or if a node leaves the range in which the slip mode is possible: then a shorter step may succeed. */
 bool radau_step_solve(const SlipMode *slip, const Balance *start, double h, int stages, RadauStep *step);
 
-/* Time scale of the motion, s: where h is a small share of it, few stages suffice. */
-double radau_step_time_scale(const SlipMode *slip, const Balance *start);
-
 static inline const Balance *radau_step_end(const RadauStep *step) {
     return &step->node[step->method->stages - 1];
 }
 
 /* Raises the peaks to the largest |omega| and |R_i| in the step and the larger |tau| of both ends. */
 void radau_step_raise_peaks(const SlipMode *slip, const RadauStep *step, Peaks *peak);
+
+/* A small change of angle and speed for each known from `first` to `end` - 1, per unit of the known. Without inertia
+ * the angle alone is a state. */
+typedef struct {
+    int first, end;
+    double theta[KNOWN_COUNT], omega[KNOWN_COUNT]; /* rad, rad/s */
+} Variation;
+
+/* Replaces the variation at the start of the step by the variation at its end. Inputs change by a constant over the
+ * whole step. Not for the rate-independent regime. False if the equations have no solution. */
+bool radau_step_vary(const SlipMode *slip, const RadauStep *step, Variation *v);
 
 #endif

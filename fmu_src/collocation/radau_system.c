@@ -308,24 +308,18 @@ static bool find_angle_on_edge(const RadauSystem *s, double t, double *theta) {
     return false;
 }
 
-bool radau_system_follow_edge(const RadauSystem *s, Balance node[RADAU_MAX]) {
+bool radau_system_follow_edge(const RadauSystem *s, Balance node[RADAU_MAX], double *noise) {
     double theta = s->start->theta;
+    *noise = 0.0;
     for (int i = 0; i < s->method->stages; i++) {
         const double t = s->method->node[i] * s->h;
+        Balance *b = &node[i];
         if (!find_angle_on_edge(s, t, &theta) || !radau_system_is_inside(s, theta)) return false;
-        balance_at(s->slip, theta, 0.0, t, &node[i]);
-        if (!(node[i].rhs.by_theta > 0.0)) return false;
-    }
-    return true;
-}
-
-double radau_system_edge_noise(const RadauSystem *s, const Balance node[RADAU_MAX]) {
-    double noise = 0.0;
-    for (int i = 0; i < s->method->stages; i++) {
-        const Balance *b = &node[i];
+        balance_at(s->slip, theta, 0.0, t, b);
+        if (!(b->rhs.by_theta > 0.0)) return false;
         const double rho = b->force != 0.0 ? b->tau / b->force : 0.0;
         const double torque = fabs(b->tau) + fabs(rho) * (fabs(b->force - b->F_ext) + fabs(b->F_ext));
-        noise = max_of(noise, STICK_TIE_STRAIGHT * torque / b->rhs.by_theta);
+        *noise = max_of(*noise, STICK_TIE_STRAIGHT * torque / b->rhs.by_theta);
     }
-    return noise;
+    return true;
 }

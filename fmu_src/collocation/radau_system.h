@@ -31,11 +31,9 @@ bool radau_system_solve(RadauSystem *system, Balance node[RADAU_MAX]);
 
 /* The rate-independent regime: fills node[] with balances on the edge of the stick band, tau(t) = rho(theta) F_0(theta, t),
  * each theta_i solving this equation at t_i. False if the edge stops rising before the end of the step, or if the motion
- * leaves the transmission's piece. */
-bool radau_system_follow_edge(const RadauSystem *system, Balance node[RADAU_MAX]);
-
-/* How far the rounding of the torques moves theta along an edge that is nearly level, rad. */
-double radau_system_edge_noise(const RadauSystem *system, const Balance node[RADAU_MAX]);
+ * leaves the transmission's piece. *noise: rad, how far the rounding of the torques moves theta where the edge is nearly
+ * level. */
+bool radau_system_follow_edge(const RadauSystem *system, Balance node[RADAU_MAX], double *noise);
 
 /* dtheta and omega at the nodes from y. */
 void radau_system_place_nodes(RadauSystem *system);

@@ -15,8 +15,8 @@
 #include "geometry/transmission.h"
 #include "model/friction_law.h"
 #include "model/inputs.h"
+#include "model/mode.h"
 #include "model/params.h"
-#include "model/regime.h"
 #include "model/work.h"
 
 /* Grooves and friction at one theta and speed, with derivatives by theta at constant speed. */

@@ -4,8 +4,8 @@
 
 #include "fmi/variables.h"
 #include "forward/configuration.h"
-#include "outputs/outputs.h"
 #include "forward/step.h"
+#include "outputs/outputs.h"
 #include "sensitivity/sensitivity.h"
 #include "sensitivity/step_sensitivity.h"
 

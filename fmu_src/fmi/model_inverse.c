@@ -3,7 +3,6 @@
 
 #include "fmi/variables.h"
 #include "sensitivity/inverse_derivatives.h"
-#include "sensitivity/inverse_sensitivity.h"
 
 static GivenInput given_by(unsigned derivatives_given) {
     if (derivatives_given >> VR_THETA & 1u) return GIVEN_THETA;

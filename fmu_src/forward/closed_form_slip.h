@@ -2,7 +2,7 @@
 #ifndef DUALCAM_CLOSED_FORM_SLIP_H
 #define DUALCAM_CLOSED_FORM_SLIP_H
 
-#include "closed_form/linear_event.h"
+#include "closed_form/linear_search.h"
 #include "elementary/elementary.h"
 #include "forward/candidate.h"
 #include "forward/segment.h"

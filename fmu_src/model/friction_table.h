@@ -23,7 +23,7 @@
 #include "numerics/tolerances.h"
 #include "platform/attributes.h"
 
-enum { FRICTION_LOADS_MAX = 16, FRICTION_BUCKETS = 128, FRICTION_BUCKET_BITS = 3 /* 8 buckets in each octave */ };
+enum { FRICTION_LOADS_MAX = 16 };
 
 /* From one knot to the next: samples over the speed or over the load, in whose unit its fields are. Beyond the last knot
  * the upper knot is infinity. */
@@ -53,13 +53,11 @@ typedef struct {
 } FrictionPatch;
 
 struct FrictionTable {
-    size_t count, loads;                   /* of the last speed, the first being 0; number of loads */
-    FrictionPiece *piece;                  /* owned: count + 1 of the first load, then of the next */
-    const FrictionPiece *middle;           /* the first one of the middle one of the loads */
-    double *speed;                         /* owned: m/s, count + 1 of them */
-    int64_t octave;                        /* of the first bucket: a speed's exponent and first bits of its mantissa */
-    uint16_t bucket[FRICTION_BUCKETS + 1]; /* the sample below the first speed of the bucket */
-    double load[FRICTION_LOADS_MAX + 1];   /* N: 0, then the loads */
+    size_t count, loads;                 /* of the last speed, the first being 0; number of loads */
+    FrictionPiece *piece;                /* owned: count + 1 of the first load, then of the next */
+    const FrictionPiece *middle;         /* the first one of the middle one of the loads */
+    double *speed;                       /* owned: m/s, count + 1 of them */
+    double load[FRICTION_LOADS_MAX + 1]; /* N: 0, then the loads */
     double log_load[FRICTION_LOADS_MAX];
     double bend[FRICTION_LOADS_MAX][FRICTION_LOADS_MAX]; /* second derivative of the spline at load k, per u_l */
     FrictionPatch *patch; /* owned; only with more than one load: loads - 1 of the first piece, then of the next */
@@ -74,23 +72,9 @@ typedef struct {
     double by_load;  /* 1/N, dmu/dN */
 } FrictionCoefficient;
 
-static inline int64_t friction_table_octave(double v) {
-    int64_t bits;
-    memcpy(&bits, &v, sizeof bits);
-    return bits >> (52 - FRICTION_BUCKET_BITS);
-}
-
-/* The greatest index j with speed[j] <= v; 0 for v < 0. A bucket has few samples unless the samples are close together. */
-static inline size_t friction_table_sample(const FrictionTable *table, double v) {
-    const uint64_t n = (uint64_t)(friction_table_octave(v) - table->octave);
-    const bool is_in_bucket = n < FRICTION_BUCKETS; /* else slower than the first bucket, or beyond the last sample */
-    const size_t low = is_in_bucket ? table->bucket[n] : 0, high = is_in_bucket ? table->bucket[n + 1] : table->count;
-    return low + curve_interval(table->speed + low, 1, high - low + 1, v);
-}
-
 /* The piece at the speed v; at the middle one of the loads. */
 static inline const FrictionPiece *friction_table_piece(const FrictionTable *table, double v) {
-    return &table->middle[friction_table_sample(table, v)];
+    return &table->middle[curve_interval(table->speed, 1, table->count + 1, v)];
 }
 
 /* The span of the load N, which lasts to the next load; beyond the loads the first or the last one. */

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stddef.h>
 
-#include "collocation/radau_variation.h"
+#include "collocation/radau_step.h"
 #include "contact/contact.h"
 #include "elementary/elementary.h"
 #include "forward/candidate.h"
