@@ -56,8 +56,8 @@ def test_reflected_inertia():
     speed = 3.0
     assert 0.5 * reflected_inertia(50.0, 6e-5) * speed**2 == pytest.approx(0.5 * 6e-5 * (50.0 * speed) ** 2)
     assert reflected_inertia(AK80_6.gear, AK80_6.rotor_inertia) == AK80_6.inertia
-    for gear_ratio, inertia in ((math.nan, 1.0), (50.0, -1e-5), (50.0, math.inf)):
-        with pytest.raises(DualcamError, match=r"rotor_inertia = .* allowed"):
+    for gear_ratio, inertia in ((math.nan, 1.0), (50.0, -1e-5), (50.0, math.inf), ("50", 1.0)):
+        with pytest.raises(DualcamError, match=r"(gear_ratio|rotor_inertia) = .*: allowed"):
             reflected_inertia(gear_ratio, inertia)
 
 
@@ -90,12 +90,78 @@ def test_spring_and_damper_held():
 def test_largest_stable_step_of_damping(order, bound):
     damping = 5.0
     found = largest_stable_step(J, Impedance(damping=damping), order)
-    assert found == pytest.approx(bound * J / damping, rel=2e-3)
+    assert found == pytest.approx(bound * J / damping, rel=1e-6)
 
 
 def test_largest_stable_step_at_the_ends():
     assert largest_stable_step(J, Impedance()) == math.inf
+    assert largest_stable_step(J, Impedance(inertia=0.9 * J)) == math.inf
     assert largest_stable_step(J, Impedance(inertia=1.1 * J)) == 0.0
+    assert largest_stable_step(J, Impedance(damping=-1.0)) == 0.0
+
+
+@pytest.mark.parametrize("stiffness", [1e-3, 1.0, 100.0, 1e5])
+def test_largest_stable_step_of_a_held_spring(stiffness):
+    """Errors of an undamped spring grow by K h^2/(4 J) per step, whatever h is. With the damping D, and h/J
+    so short that D h/J does not matter, they decay where D > K h/2."""
+    assert largest_stable_step(J, Impedance(stiffness)) == 0.0
+    step = 1e-3 * math.sqrt(J / stiffness)
+    damped = Impedance(stiffness, 0.5 * stiffness * step)
+    assert largest_stable_step(J, damped) == pytest.approx(step, rel=1e-4)
+
+
+def test_a_frictionless_spring_grows_in_the_fmu(fmu):
+    """So slowly that no warning comes: the spring is in the plant, and the step stable but for 1e-3."""
+    stiffness, step = 100.0, 2.5e-4
+    growth = math.sqrt(1.0 + stiffness * step**2 / (2.0 * J))
+    fmu.start({**FREE, "initial.theta": 0.701})
+    coupling, angles = PlantCoupling(fmu, lambda shaft: -stiffness * (shaft.theta - 0.7)), []
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        for _ in range(2000):
+            angles.append(coupling.step_explicit(step).motion.theta - 0.7)
+    sizes = [np.abs(angles[k : k + 200]).max() for k in (0, 1800)]
+    assert sizes[1] / sizes[0] == pytest.approx(growth**1800, rel=0.05)
+    assert largest_stable_step(J, Impedance(stiffness)) == 0.0
+
+
+# ---- a plant that is an FMU of its own ----
+
+
+@pytest.mark.parametrize("gain", [0.2, 0.25, 0.5, 0.99, 1.01, 1.24, 1.9])
+def test_damping_one_step_late(gain):
+    """z^2 - z + x = 0 for the speed; theta stays where it comes to."""
+    radius = spectral_radius(H, J, Impedance(damping=gain * J / H), plant_is_fmu=True)
+    late = np.abs(np.roots([1.0, -1.0, gain])).max()
+    assert radius == pytest.approx(max(1.0, late), rel=1e-7)
+
+
+def test_largest_stable_step_of_a_motor_that_is_an_fmu():
+    """D h/J < 1, half of what is stable where the plant is a function. A late inertia is stable below J."""
+    inertia, damping = 0.003022, 1.25
+    found = largest_stable_step(inertia, Impedance(damping=damping), plant_is_fmu=True)
+    assert found == pytest.approx(inertia / damping, rel=1e-6)
+    assert largest_stable_step(J, Impedance(inertia=0.9 * J), plant_is_fmu=True) == math.inf
+    assert largest_stable_step(J, Impedance(inertia=1.1 * J), plant_is_fmu=True) == 0.0
+
+
+@pytest.mark.filterwarnings("ignore::dualcam.errors.UnstableCouplingWarning")
+@pytest.mark.parametrize(("gain", "grows"), [(0.9, False), (0.99, False), (1.05, True), (1.24, True)])
+def test_the_fmu_with_a_torque_one_step_late(fmu, gain, grows):
+    """As an explicit master exchanges values: the motor computes in a step, from the speed before it."""
+    damping = gain * J / H
+    fmu.start({**FREE, "initial.omega": 1e-6})
+    torque, speeds = [0.0], []
+    coupling = PlantCoupling(fmu, lambda shaft: torque[0])
+    for _ in range(400):
+        before = coupling.motion().omega
+        speeds.append(abs(coupling.step_explicit(H).motion.omega))
+        torque[0] = -damping * before
+        if speeds[-1] > 1e-3:
+            break
+    assert (speeds[-1] > 1e-3) is grows
+    step = largest_stable_step(J, Impedance(damping=damping), plant_is_fmu=True)
+    assert (step < H) is grows
 
 
 def test_impedance_by_differences():
@@ -326,7 +392,7 @@ def test_step_difference_of_a_held_damper(fmu):
 @pytest.mark.parametrize(
     ("run", "step", "text"),
     [
-        (lambda step: [0.0], 0.0, "step = 0.0 s: allowed"),
+        (lambda step: [0.0], 0.0, "step = 0.0: allowed"),
         (lambda step: np.zeros(round(1e-2 / step) + 3), H, r"\(13,\).* \(103,\): allowed are equal shapes"),
         (lambda step: [], H, "allowed are equal shapes"),
         (lambda step: math.nan, H, "not finite"),
@@ -526,8 +592,17 @@ def test_benchmark_writes_what_it_measures(tmp_path, fmu):
 @pytest.mark.parametrize(
     ("call", "text"),
     [
-        (lambda c: c.step_explicit(0.0), "size = 0.0 s: allowed"),
-        (lambda c: c.step_implicit(math.nan), "size = nan s: allowed"),
+        (lambda c: c.step_explicit(0.0), "size = 0.0: allowed is a finite number > 0, in s"),
+        (lambda c: c.step_implicit(math.nan), "size = nan: allowed is a finite number > 0, in s"),
+        (lambda c: c.step_implicit("1 ms"), "size = '1 ms': allowed is a finite number > 0, in s"),
+        (lambda c: c.step_explicit([H, H]), r"size = \[0.001, 0.001\]: allowed"),
+        (lambda c: c.step_explicit(H, order="1"), "order = 1: allowed"),
+        (lambda c: c.step_implicit(H, end_weight="1"), "end_weight = '1': allowed"),
+        (lambda c: step_difference(lambda step: 0.0, None), "step = None: allowed"),
+        (lambda c: spectral_radius(H, J, 1.25), "plant = 1.25: allowed is an Impedance"),
+        (lambda c: largest_stable_step(J, Impedance("5")), "stiffness = '5': allowed is a finite number"),
+        (lambda c: spectral_radius(H, J, Impedance(), cam_damping=-1.0), "cam_damping = -1.0: allowed"),
+        (lambda c: spectral_radius(H, J, Impedance(), 1, plant_is_fmu=True), "order = 1: allowed is 0"),
         (lambda c: c.step_explicit(H, order=3), "order = 3: allowed"),
         (lambda c: c.step_implicit(H, end_weight=0.4), "end_weight = 0.4: allowed"),
         (lambda c: spectral_radius(H, -1.0, Impedance()), "inertia = -1.0"),
@@ -577,6 +652,8 @@ def test_only_the_forward_fmu_takes_a_torque():
         (counter(), "changes no state"),
         (lambda shaft: math.nan, "the plant returns nan at"),
         (lambda shaft: None, "the plant returns None at .* allowed is a finite number"),
+        (lambda shaft: "5", "the plant returns '5' at .* allowed is a finite number"),
+        (lambda shaft: np.array([1.0, 2.0]), r"the plant returns array\(\[1., 2.\]\) at"),
     ],
 )
 def test_refused_plant_leaves_the_fmu_as_it_was(fmu, plant, text):

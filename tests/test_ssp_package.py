@@ -7,7 +7,8 @@ import pytest
 from fmpy.ssp.simulation import simulate_ssp
 from fmpy.validation import validate_fmu
 
-from dualcam import DesignError, Fmu, fmu_path
+from dualcam import DesignError, DualcamError, DualcamWarning, Fmu, export_fmu, fmu_path
+from dualcam.cli import main
 from dualcam.ssp import Component, System
 
 FORWARD, INVERSE = fmu_path("forward"), fmu_path("inverse")
@@ -17,6 +18,7 @@ SYSTEM = System("one", "One cam", (CAM,), (), 1e-3, 0.1, ("cam.tau", "cam.theta"
 MISTAKES = {
     "step": ({"step": 0}, "step = 0: allowed is a finite number > 0, in s"),
     "duration": ({"duration": -1.0}, "duration = -1.0: allowed is a finite number > 0, in s"),
+    "step above duration": ({"step": 5, "duration": 1.8}, "step = 5 s: allowed is up to the duration, 1.8 s"),
     "no component": ({"components": ()}, "allowed is one component or more"),
     "one name": ({"components": (CAM, CAM)}, "component 'cam' is given twice"),
     "name with a point": ({"components": (Component("c.m", FORWARD, {}),)}, "letters, digits, _ and -"),
@@ -32,6 +34,32 @@ MISTAKES = {
     "out of range": (
         {"components": (replace(CAM, values={"cam1.radius": -1.0}),)},
         "cam.cam1.radius = -1.0: allowed is a finite number >= 1e-06",
+    ),
+    "degrees": (
+        {"components": (replace(CAM, values={"cam1.lead_angle": 45}),)},
+        "allowed is a finite number >= 0 <= 1.5708; this looks like degrees; 45 deg is 0.785398 rad",
+    ),
+    "stops": (
+        {"components": (replace(CAM, values={"stop.upper": -1.0}),)},
+        "component 'cam': stop.upper = -1 rad (-57.3 deg): allowed is more than stop.lower",
+    ),
+    "jam": (
+        {"components": (replace(CAM, values={"cam1.friction": 0.99, "cam2.friction": 1.1}),)},
+        "component 'cam': jam: friction is too high for the lead angles",
+    ),
+    "spring that pulls": (
+        {"components": (CAM, replace(OTHER, values={"spring.preload": -80}))},
+        "component 'other': spring force at theta = 0 deg is -80 N: allowed is > 0",
+    ),
+    "a flat pair": (
+        {"connections": ("cam.tau", "cam.theta")},
+        'allowed is a list of pairs, such as [("motor.tau", "cam.tau")]',
+    ),
+    "a text as ports": ({"ports": "cam.theta"}, "ports = 'cam.theta': allowed is a list of"),
+    "one component alone": ({"components": CAM}, "allowed is a list of Component"),
+    "values without names": (
+        {"components": (replace(CAM, values=[0.05]),)},
+        "the values of a component: allowed is a dict",
     ),
     "output to output": (
         {"connections": (("cam.theta", "cam.omega"),)},
@@ -118,3 +146,52 @@ def test_two_files_of_one_name_are_refused(tmp_path):
     pair = (Component("a", FORWARD, {}), Component("b", copy, {}))
     with pytest.raises(DesignError, match="have one name in the package"):
         replace(SYSTEM, components=pair, ports=()).save(tmp_path / "two.ssp")
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("valve.toml", r"valve\.toml: allowed are names that end in \.ssp"),
+        ("Controller.fmu", r"Controller\.fmu: allowed are names that end in \.ssp"),
+        ("cam.ssp", r"cam\.ssp is the FMU of a component"),
+        ("missing/new.ssp", "the folder does not exist: make the folder"),
+    ],
+)
+def test_a_package_replaces_no_other_file_and_makes_no_folder(tmp_path, name, words):
+    """The FMU of the second component has the ending of a package."""
+    for other in ("valve.toml", "Controller.fmu", "cam.ssp"):
+        (tmp_path / other).write_bytes(INVERSE.read_bytes())
+    second = Component("second", tmp_path / "cam.ssp", {})
+    with pytest.raises(DesignError, match=words):
+        replace(SYSTEM, components=(CAM, second)).save(tmp_path / name)
+    assert {path.name for path in tmp_path.iterdir()} == {"valve.toml", "Controller.fmu", "cam.ssp"}
+    assert all(path.read_bytes() == INVERSE.read_bytes() for path in tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("call", [lambda: SYSTEM.save(None), lambda: Component("cam", 5, {})])
+def test_what_is_no_path(call):
+    with pytest.raises(DualcamError, match="allowed is the path of a file"):
+        call()
+
+
+def test_start_values_that_look_like_another_unit_are_warned_of(tmp_path):
+    strange = replace(CAM, values={"cam1.radius": 18.0})
+    with pytest.warns(DualcamWarning, match="component 'cam': .*looks like millimetres; 18 mm is 0.018 m"):
+        replace(SYSTEM, components=(strange,)).save(tmp_path / "s.ssp")
+
+
+def test_what_the_exported_fmu_has_already_is_meant(tmp_path):
+    """A cam that locks itself, by its table, keeps doing so with another inertia; a jam is new."""
+    (tmp_path / "flat.csv").write_text(
+        "psi_rad,z_m\n0,0\n0.5,0.00114\n1,0.00228\n1.5,0.00342\n", encoding="utf-8"
+    )
+    (tmp_path / "my.toml").write_text(
+        'cam1.profile = "table"\ncam1.table = "flat.csv"\nlimits.self_locking = true\n', encoding="utf-8"
+    )
+    assert main(["check", str(tmp_path / "my.toml")]) == 0
+    cam = Component("cam", export_fmu(tmp_path / "my.toml", tmp_path / "Locks.fmu"), {"inertia.shaft": 0.05})
+    replace(SYSTEM, components=(cam,)).save(tmp_path / "s.ssp")
+    with pytest.raises(DesignError, match="component 'cam': jam") as refusal:
+        jams = replace(cam, values={"cam1.friction": 0.9, "cam2.friction": 1.2})
+        replace(SYSTEM, components=(jams,)).save(tmp_path / "s.ssp")
+    assert "self-locking: lead angle of groove 1" not in str(refusal.value)

@@ -7,7 +7,7 @@ is stable.
     largest_stable_step     of explicit coupling, from these numbers
     reflected_inertia       the inertia of a motor behind its gear
 
-May import fmi.
+May import common, fmi.
 """
 
 from dualcam.coupling.plant import (

@@ -15,11 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from dualcam.errors import CouplingError, DualcamError
+from dualcam.common.arrays import number_of, positive_number
+from dualcam.errors import CouplingError
 
 Array = NDArray[np.float64]
 
-LARGEST_RADIUS = 1.001  # of stable coupling: errors that grow less than e times in 1000 steps
+LARGEST_RADIUS = 1.001  # without a warning: errors that grow less than e times in 1000 steps
+ROUNDING = 1e-11  # of the spectral radius
 LEAST_RATIO = 0.5001  # of the interface Jacobian, from which on damping of the cam is told from rounding
 LARGEST_DAMPING = 50.0  # B h/J that is told from a cam without inertia
 DIFFERENCE = 1e-6  # rad, rad/s, rad/s2, and relative: shift of the motion for the plant's derivatives
@@ -80,7 +82,7 @@ def reflected_inertia(gear_ratio: float, rotor_inertia: float) -> float:
 
     Raises
     ------
-    DualcamError
+    CouplingError
         If a value is not finite, or the inertia is negative.
 
     Notes
@@ -92,12 +94,8 @@ def reflected_inertia(gear_ratio: float, rotor_inertia: float) -> float:
     >>> round(reflected_inertia(50.0, 6.07e-5), 6)
     0.15175
     """
-    if not (math.isfinite(gear_ratio) and math.isfinite(rotor_inertia) and rotor_inertia >= 0.0):
-        raise DualcamError(
-            f"gear_ratio = {gear_ratio}, rotor_inertia = {rotor_inertia} kg.m2: allowed are finite numbers,"
-            " the inertia >= 0"
-        )
-    return rotor_inertia * gear_ratio**2
+    ratio = number_of(gear_ratio, "gear_ratio", error=CouplingError)
+    return number_not_negative("rotor_inertia", rotor_inertia, "kg.m2") * ratio**2
 
 
 def impedance_of(plant: PlantTorque, motion: ShaftMotion) -> Impedance:
@@ -131,7 +129,13 @@ def impedance_of(plant: PlantTorque, motion: ShaftMotion) -> Impedance:
 
 
 def spectral_radius(
-    step: float, inertia: float, plant: Impedance, order: int = 0, cam_damping: float = 0.0
+    step: float,
+    inertia: float,
+    plant: Impedance,
+    order: int = 0,
+    cam_damping: float = 0.0,
+    *,
+    plant_is_fmu: bool = False,
 ) -> float:
     """Factor by which errors grow per step of explicit coupling, in the long run.
 
@@ -147,11 +151,16 @@ def spectral_radius(
         0: the torque is held over the step; 1, 2: the torque is a straight line, a parabola.
     cam_damping : float
         Viscous damping B of the cam itself, as the shaft feels it [N.m.s/rad].
+    plant_is_fmu : bool
+        True: the plant is an FMU of its own, as in an SSP package. The master gives it the speed at the
+        beginning of a step, and the cam gets the torque at the end of that step: one step later than from
+        `PlantCoupling`. The torque is held, so `order` is 0.
 
     Returns
     -------
     float
-        Largest magnitude of the eigenvalues of the loop [1]. At most 1: stable.
+        Largest magnitude of the eigenvalues of the loop [1]. At most 1: stable. An error of the angle stays
+        as it is where the plant has no stiffness: then 1 is the least.
 
     Notes
     -----
@@ -167,25 +176,39 @@ def spectral_radius(
     >>> round(spectral_radius(1e-3, 0.002, Impedance(damping=5.0)), 6)
     1.5
     """
-    check_positive("step", step, "s")
-    check_positive("inertia", inertia, "kg.m2")
+    _check_impedance(plant)
+    return _largest(_loop(step, inertia, plant, order, cam_damping, plant_is_fmu))
+
+
+def _largest(loop: Array) -> float:
+    """Largest magnitude of the eigenvalues."""
+    return float(np.abs(np.linalg.eigvals(loop)).max())
+
+
+def _loop(
+    step: float, inertia: float, plant: Impedance, order: int, cam_damping: float, plant_is_fmu: bool
+) -> Array:
+    """Maps theta, omega, alpha, the slope of alpha, and the plant's torque to those a step later."""
+    step = check_positive("step", step, "s")
+    inertia = check_positive("inertia", inertia, "kg.m2")
     check_order(order)
-    if not 0.0 <= cam_damping < math.inf:
-        raise CouplingError(f"cam_damping = {cam_damping} N.m.s/rad: allowed is a finite number >= 0")
+    cam_damping = number_not_negative("cam_damping", cam_damping, "N.m.s/rad")
+    if plant_is_fmu and order:
+        raise CouplingError(f"order = {order}: allowed is 0 where the plant is an FMU, whose torque is held")
     propagator = _propagator(step, inertia, cam_damping)
 
     def torque(motion: ShaftMotion) -> float:
         return -plant.stiffness * motion.theta - plant.damping * motion.omega - plant.inertia * motion.alpha
 
-    def next_state(theta: float, omega: float, alpha: float, jerk: float) -> list[float]:
+    def next_state(theta: float, omega: float, alpha: float, jerk: float, before: float) -> list[float]:
         begin = ShaftMotion(0.0, theta, omega, alpha)
-        inputs = torque_polynomial(torque, begin, jerk, step, order)
-        theta, omega, tau, slope, _ = propagator @ [theta, omega, *inputs]
+        now = torque_polynomial(torque, begin, jerk, step, order)
+        acting = [before, 0.0, 0.0] if plant_is_fmu else now
+        theta, omega, tau, slope, _ = propagator @ [theta, omega, *acting]
         alpha = (tau - cam_damping * omega) / inertia
-        return [theta, omega, alpha, (slope - cam_damping * alpha) / inertia]
+        return [theta, omega, alpha, (slope - cam_damping * alpha) / inertia, now[0]]
 
-    matrix = np.array([next_state(*row) for row in np.eye(4).tolist()]).T
-    return float(np.abs(np.linalg.eigvals(matrix)).max())
+    return np.array([next_state(*row) for row in np.eye(5).tolist()]).T
 
 
 def _propagator(step: float, inertia: float, damping: float) -> Array:
@@ -238,7 +261,8 @@ def cam_of_step(step: float, dtheta_dtau: float, domega_dtau: float) -> tuple[fl
     Notes
     -----
     With x = B h/J an inertia with damping has domega_dtau = (1 - exp(-x))/B and
-    dtheta_dtau/(h domega_dtau) = (x - 1 + exp(-x))/(x (1 - exp(-x))), which rises from 1/2 to 1.
+    dtheta_dtau/(h domega_dtau) = (x - 1 + exp(-x))/(x (1 - exp(-x))), which rises from 1/2 to 1. The cam's
+    own spring acts over the step, too, and is a small part of B.
 
     Examples
     --------
@@ -259,7 +283,9 @@ def cam_of_step(step: float, dtheta_dtau: float, domega_dtau: float) -> tuple[fl
     return damping * step / x, damping
 
 
-def largest_stable_step(inertia: float, plant: Impedance, order: int = 0, cam_damping: float = 0.0) -> float:
+def largest_stable_step(
+    inertia: float, plant: Impedance, order: int = 0, cam_damping: float = 0.0, *, plant_is_fmu: bool = False
+) -> float:
     """Communication step [s] up to which explicit coupling is stable.
 
     Parameters
@@ -268,36 +294,44 @@ def largest_stable_step(inertia: float, plant: Impedance, order: int = 0, cam_da
         Inertia J of the cam as the shaft feels it [kg.m2].
     plant : Impedance
         Of the plant at the shaft.
-    order, cam_damping
+    order, cam_damping, plant_is_fmu
         As in `spectral_radius`.
 
     Returns
     -------
     float
-        Between 1e-9 s and 1 s, 0 where no step of that range is stable, infinity where all steps are.
+        Between 1e-9 s and 1 s, 0 where no step of that range is stable, infinity where all steps are. Stable
+        means that no error grows, however slowly. So the answer is 0 for a held spring without damping.
 
     Examples
     --------
-    Damping alone: 2 J/D.
+    Damping alone: 2 J/D, and half of that where the plant is an FMU of its own.
 
     >>> round(largest_stable_step(0.002, Impedance(damping=5.0)), 6)
     0.0008
+    >>> round(largest_stable_step(0.002, Impedance(damping=5.0), plant_is_fmu=True), 6)
+    0.0004
     """
+    _check_impedance(plant)
+    # Without stiffness an error of the angle stays, without damping that of the speed, too.
+    staying = 0 if plant.stiffness else 1 if plant.damping or cam_damping else 2
 
-    def stable(step: float) -> bool:
-        return spectral_radius(step, inertia, plant, order, cam_damping) <= LARGEST_RADIUS
+    def growth(step: float) -> float:
+        loop = _loop(step, inertia, plant, order, cam_damping, plant_is_fmu)
+        return _largest(loop[staying:, staying:]) - 1.0
 
-    steps = np.geomspace(1e-9, 1.0, 181)
-    if not stable(float(steps[0])):
-        return 0.0
-    first = next((k for k, step in enumerate(steps) if not stable(float(step))), None)
+    steps = np.geomspace(1e-9, 1.0, 181).tolist()
+    first = next((k for k, step in enumerate(steps) if growth(step) > ROUNDING), None)
     if first is None:
         return math.inf
-    low, high = float(steps[first - 1]), float(steps[first])
+    # At the step before, errors may grow more slowly than rounding lets see. There they do not decay.
+    if first == 0 or growth(steps[first - 1]) > -ROUNDING:
+        return 0.0
+    low, high = steps[first - 1], steps[first]
     while high - low > 1e-9 * high:
         middle = 0.5 * (low + high)
-        low, high = (middle, high) if stable(middle) else (low, middle)
-    return low
+        low, high = (middle, high) if growth(middle) < -ROUNDING else (low, middle)
+    return float(low)
 
 
 @dataclass(frozen=True)
@@ -336,8 +370,8 @@ class LoopStability:
             f"explicit coupling with a step of {self.step:g} s is {verdict}: errors change"
             f" {self.spectral_radius:.4g} times per step, allowed is 1. The plant has stiffness"
             f" {self.plant.stiffness:.4g} N.m/rad, damping {self.plant.damping:.4g} N.m.s/rad, inertia"
-            f" {self.plant.inertia:.4g} kg.m2. The cam has inertia {self.inertia:.4g} kg.m2 and"
-            f" viscous damping {self.cam_damping:.4g} N.m.s/rad."
+            f" {self.plant.inertia:.4g} kg.m2. As the step tells, the cam has inertia {self.inertia:.4g}"
+            f" kg.m2 and, with its spring, viscous damping {self.cam_damping:.4g} N.m.s/rad."
         )
         if self.stable:
             return text
@@ -386,9 +420,25 @@ def torque_polynomial(
     ]
 
 
-def check_positive(name: str, value: float, unit: str) -> None:
-    if not 0.0 < value < math.inf:
-        raise CouplingError(f"{name} = {value} {unit}: allowed is a finite number > 0")
+def _check_impedance(plant: Impedance) -> None:
+    if not isinstance(plant, Impedance):
+        raise CouplingError(f"plant = {plant!r}: allowed is an Impedance, of stiffness, damping and inertia")
+    for name, value in plant._asdict().items():
+        number_of(value, name, error=CouplingError)
+
+
+def check_positive(name: str, value: object, unit: str) -> float:
+    """`value` as a number, or a CouplingError."""
+    return positive_number(value, name, f"a finite number > 0, in {unit}", CouplingError)
+
+
+def number_not_negative(name: str, value: object, unit: str) -> float:
+    """`value` as a number, or a CouplingError."""
+    allowed = f"a finite number >= 0, in {unit}"
+    number = number_of(value, name, allowed, CouplingError)
+    if number < 0.0:
+        raise CouplingError(f"{name} = {value!r}: allowed is {allowed}")
+    return number
 
 
 def check_order(order: int) -> None:

@@ -43,6 +43,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from dualcam.common.arrays import number_of, real_array
 from dualcam.coupling.held_feedback import TorqueSwings, held_feedback_text
 from dualcam.coupling.plant import (
     DIFFERENCE,
@@ -173,7 +174,7 @@ class PlantCoupling:
             If the plant returns no finite number, or changes when it is called, or if `size` or `order` is
             not allowed.
         """
-        check_positive("size", size, "s")
+        size = check_positive("size", size, "s")
         check_order(order)
         begin = self._begin(size)
         jerk = self._speed.read_derivatives(2)[0] if order == 2 else 0.0
@@ -217,8 +218,8 @@ class PlantCoupling:
             number, or changes when it is called, or if an argument is not allowed. The FMU is then as before
             the step.
         """
-        check_positive("size", size, "s")
-        if not 0.5 <= end_weight <= 1.0:
+        size = check_positive("size", size, "s")
+        if not 0.5 <= number_of(end_weight, "end_weight", "0.5 to 1", CouplingError) <= 1.0:
             raise CouplingError(f"end_weight = {end_weight}: allowed is 0.5 to 1")
         state, begin, torque = self.fmu.save_state(), self._begin(size), self._tau.read()[0]
         bracket = _Bracket()
@@ -301,8 +302,8 @@ class PlantCoupling:
     def _plant_torque(self, motion: ShaftMotion) -> float:
         returned = self.plant(motion)
         try:
-            torque = float(returned)
-        except (TypeError, ValueError):
+            torque = float(real_array(returned, "the torque").item())  # type: ignore[arg-type]
+        except ValueError:  # as for an array of several elements
             torque = math.nan
         if not math.isfinite(torque):
             raise CouplingError(
@@ -363,7 +364,7 @@ def step_difference(run: Callable[[float], ArrayLike], step: float) -> float:
     >>> round(step_difference(run, 2e-3), 5)  # rad
     0.001
     """
-    check_positive("step", step, "s")
+    step = check_positive("step", step, "s")
     whole, fine = (np.asarray(run(size), dtype=float) for size in (step, 0.1 * step))
     if fine.ndim and whole.ndim:
         fine = _at_instants_of(whole, fine)

@@ -89,7 +89,7 @@ class System(SystemStructure):
         Parameters
         ----------
         path
-            The file. A missing folder is made.
+            The file, a name that ends in .ssp, in a folder that exists.
 
         Returns
         -------
@@ -99,18 +99,35 @@ class System(SystemStructure):
         Raises
         ------
         DesignError
-            Wrong names, start values, connections, ports, times, or FMUs: all problems at once.
+            Another ending than .ssp, a missing folder, the file of a component; wrong names, start values,
+            connections, ports, times, or FMUs: all problems at once.
+
+        Warns
+        -----
+        DualcamWarning
+            For each warning of `dualcam check` about the start values of a component.
         """
+        path = package_path(path)
         check_system(self)
-        path = Path(path)
+        if path.resolve() in [component.fmu.resolve() for component in self.components]:
+            raise DesignError(f"{path} is the FMU of a component: give the package another name")
         members = {"SystemStructure.ssd": document(structure(self))}
         for component in self.components:
             members[f"resources/{component.resource}"] = component.content()
             members[f"resources/{component.name}.ssv"] = document(parameters(component))
-        path.parent.mkdir(parents=True, exist_ok=True)
         with whole_file(path) as unfinished:
             write_archive(unfinished, members)
         return path
+
+
+def package_path(path: object) -> Path:
+    """`path` as the file of a package. DesignError for another ending than .ssp and for a missing folder."""
+    package = path_of(path, "the package")
+    if package.suffix.lower() != ".ssp":
+        raise DesignError(f"{package}: allowed are names that end in .ssp")
+    if not package.absolute().parent.is_dir():
+        raise DesignError(f"{package}: the folder does not exist: make the folder, or choose another")
+    return package
 
 
 def add_units(root: ET.Element, prefix: str, units: Mapping[str, dict[str, str]]) -> None:
@@ -291,13 +308,9 @@ def export_ssp(design: DesignSource, path: str | Path, step: float = 1e-3, *, po
     from dualcam.export.exporter import export_fmu
     from dualcam.fmi.fmu import STEP_SIZES
 
-    design, path = as_design(design), path_of(path, "the package")
+    design, path = as_design(design), package_path(path)
     if not number_of(step, "step", STEP_SIZES) > 0.0:
         raise DesignError(f"step = {step!r}: allowed is {STEP_SIZES}")
-    if path.suffix.lower() != ".ssp":
-        raise DesignError(f"{path}: allowed are names that end in .ssp")
-    if not path.absolute().parent.is_dir():
-        raise DesignError(f"{path}: the folder does not exist: make the folder, or choose another")
     with tempfile.TemporaryDirectory() as folder:
         fmu = export_fmu(design, Path(folder) / f"{path.stem}.fmu")
         return design_system(design, fmu, step, ports).save(path)

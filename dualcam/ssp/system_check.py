@@ -4,28 +4,57 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Iterator
+import warnings
+from collections.abc import Iterable, Iterator, Mapping
 from difflib import get_close_matches
 from pathlib import Path
+from types import UnionType
 
-from dualcam.errors import DesignError, DualcamError
+from dualcam.common.unit_guards import unit_warning
+from dualcam.errors import DesignError, DualcamError, DualcamWarning
 from dualcam.fmi.model_description import ModelDescription, Variable, read_model_description
-from dualcam.ssp.system_structure import SystemStructure
+from dualcam.ssp.judged_start import judged
+from dualcam.ssp.system_structure import Component, SystemStructure
 
 NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_-]*")
 FMI_2_ALONE = "SSP 1.0 holds FMUs of FMI 2.0 for co-simulation: `dualcam export my.toml -o MyCam.fmu --fmi 2`"
 
 
 def check_system(system: SystemStructure) -> None:
-    """DesignError with all problems of a system."""
+    """DesignError with all problems of a system. Warnings about start values become Python warnings."""
     descriptions: dict[str, ModelDescription] = {}
-    problems = [*_times(system), *_components(system, descriptions)]
+    problems = list(_forms(system))
+    problems = problems or [*_times(system), *_components(system, descriptions)]
     if not problems:  # what follows looks up components by their names
         check = _Ends(system, descriptions)
         problems = [*_values(system, descriptions), *check.connections(), *check.ports()]
     problems = problems or list(_files(system))
+    found = [] if problems else [judged(each, descriptions[each.name]) for each in system.components]
+    problems += [text for verdict in found for text in verdict.errors]
     if problems:
         raise DesignError("\n".join([f"the system {system.name!r} cannot be packed:", *problems]))
+    for text in (text for verdict in found for text in verdict.warnings):
+        warnings.warn(text, DualcamWarning, stacklevel=3)
+
+
+def _forms(system: SystemStructure) -> Iterator[str]:
+    """Components, connections and ports are lists of what belongs there."""
+    if not _is_list(system.components, Component):
+        yield f"components = {system.components!r}: allowed is a list of Component"
+    elif not all(isinstance(component.values, Mapping) for component in system.components):
+        yield "the values of a component: allowed is a dict of start values by name, such as {}"
+    pairs = system.connections
+    if not (_is_list(pairs, list | tuple) and all(len(one) == 2 and _is_list(one, str) for one in pairs)):
+        yield (
+            f'connections = {pairs!r}: allowed is a list of pairs, such as [("motor.tau", "cam.tau")]: one'
+            " pair for each connection"
+        )
+    if not _is_list(system.ports, str):
+        yield f'ports = {system.ports!r}: allowed is a list of "component.variable", such as ["cam.theta"]'
+
+
+def _is_list(values: object, kind: type | UnionType) -> bool:
+    return isinstance(values, list | tuple) and all(isinstance(value, kind) for value in values)
 
 
 def _times(system: SystemStructure) -> Iterator[str]:
@@ -33,6 +62,9 @@ def _times(system: SystemStructure) -> Iterator[str]:
         value = getattr(system, name)
         if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 < value < math.inf:
             yield f"{name} = {value!r}: allowed is a finite number > 0, in s"
+            return
+    if system.step > system.duration:
+        yield f"step = {system.step!r} s: allowed is up to the duration, {system.duration!r} s"
 
 
 def _components(system: SystemStructure, descriptions: dict[str, ModelDescription]) -> Iterator[str]:
@@ -41,7 +73,7 @@ def _components(system: SystemStructure, descriptions: dict[str, ModelDescriptio
         yield "components = (): allowed is one component or more"
     for component in system.components:
         name, file = component.name, component.fmu
-        if not NAME.fullmatch(name):
+        if not (isinstance(name, str) and NAME.fullmatch(name)):
             yield f"component {name!r}: allowed are names of letters, digits, _ and -, such as 'cam'"
         if name in descriptions:
             yield f"component {name!r} is given twice: give each component its own name"
@@ -66,7 +98,8 @@ def _values(system: SystemStructure, descriptions: dict[str, ModelDescription]) 
             elif known[name].causality != "parameter":
                 yield f"{end} is no parameter (its causality is {known[name].causality}): leave it out"
             elif not _is_allowed(known[name], value):
-                yield f"{end} = {value!r}: allowed is {_range(known[name])}"
+                hint = (unit_warning(name, value) or "").partition(": ")[2]
+                yield f"{end} = {value!r}: allowed is {_range(known[name])}{hint and '; '}{hint}"
 
 
 def _files(system: SystemStructure) -> Iterator[str]:

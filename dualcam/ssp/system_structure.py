@@ -10,6 +10,7 @@ from functools import cached_property
 from pathlib import Path
 
 from dualcam.common.archive import archive_bytes, read_members
+from dualcam.common.paths import path_of
 
 Value = float | int
 
@@ -35,7 +36,7 @@ class Component:
     values: Mapping[str, Value]
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "fmu", Path(self.fmu))
+        object.__setattr__(self, "fmu", path_of(self.fmu, "the FMU"))
 
     @cached_property
     def members(self) -> Mapping[str, bytes] | None:

@@ -20,4 +20,5 @@ class ExampleSystem(ssp.System):
 
     def write(self) -> Path:
         """Write the package to its place."""
+        FOLDER.mkdir(parents=True, exist_ok=True)
         return self.save(self.path)
