@@ -76,6 +76,19 @@ def test_a_design_that_check_refuses_is_refused_by_each_command(design, capsys, 
     assert not Path(written).exists()
 
 
+def test_anyway_promises_of_a_jam_what_it_does(design, capsys):
+    changed(design, "friction = 0.14", "friction = 1.1")
+    changed(design, "friction = 0.14", "friction = 0.99")
+    capsys.readouterr()
+    assert main(["export", "my.toml", "-o", "Out.fmu"]) == 1
+    assert "--anyway goes on with this design in commands that do not start" in capsys.readouterr().err
+    assert main(["export", "my.toml", "-o", "Out.fmu", "--anyway"]) == 1
+    assert "the contacts jam" in capsys.readouterr().err and not Path("Out.fmu").exists()
+    for command in ("band", "report"):
+        more, written = COMMANDS[command]
+        assert main([command, "my.toml", *more, "--anyway"]) == 0 and Path(written).exists()
+
+
 @pytest.mark.parametrize("command", COMMANDS)
 def test_anyway_goes_on_and_says_so_first(design, capsys, command):
     changed(design, 'preload = "50 N"', "preload = -80")

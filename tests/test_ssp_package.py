@@ -181,7 +181,7 @@ def test_start_values_that_look_like_another_unit_are_warned_of(tmp_path):
 
 
 def test_what_the_exported_fmu_has_already_is_meant(tmp_path):
-    """A cam that locks itself, by its table, keeps doing so with another inertia; a jam is new."""
+    """A cam that locks itself, by its table, may get another inertia; a spring that pulls is new."""
     (tmp_path / "flat.csv").write_text(
         "psi_rad,z_m\n0,0\n0.5,0.00114\n1,0.00228\n1.5,0.00342\n", encoding="utf-8"
     )
@@ -191,7 +191,7 @@ def test_what_the_exported_fmu_has_already_is_meant(tmp_path):
     assert main(["check", str(tmp_path / "my.toml")]) == 0
     cam = Component("cam", export_fmu(tmp_path / "my.toml", tmp_path / "Locks.fmu"), {"inertia.shaft": 0.05})
     replace(SYSTEM, components=(cam,)).save(tmp_path / "s.ssp")
-    with pytest.raises(DesignError, match="component 'cam': jam") as refusal:
-        jams = replace(cam, values={"cam1.friction": 0.9, "cam2.friction": 1.2})
-        replace(SYSTEM, components=(jams,)).save(tmp_path / "s.ssp")
-    assert "self-locking: lead angle of groove 1" not in str(refusal.value)
+    pulls = replace(cam, values={"spring.preload": -80.0})
+    with pytest.raises(DesignError, match="component 'cam': spring force") as refusal:
+        replace(SYSTEM, components=(pulls,)).save(tmp_path / "s.ssp")
+    assert "self-locking" not in str(refusal.value)

@@ -53,7 +53,8 @@ def judge(design: DesignFile, anyway: bool, as_json: bool = False) -> None:
     if verdict.good:
         return
     if not anyway:
-        raise DesignFileError(design.path, verdict.errors, "--anyway goes on with this design")
+        only = "" if verdict.starts else " in commands that do not start the FMU, such as band and report"
+        raise DesignFileError(design.path, verdict.errors, f"--anyway goes on with this design{only}")
     head = f"{design.path}: {count(len(verdict.errors), 'error')}; --anyway goes on"
     click.echo("\n".join([head, *(f"  {finding}" for finding in verdict.errors)]), err=as_json)
 

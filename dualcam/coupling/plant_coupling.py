@@ -302,7 +302,7 @@ class PlantCoupling:
     def _plant_torque(self, motion: ShaftMotion) -> float:
         returned = self.plant(motion)
         try:
-            torque = float(real_array(returned, "the torque").item())  # type: ignore[arg-type]
+            torque = float(real_array(returned, "the torque").item())
         except ValueError:  # as for an array of several elements
             torque = math.nan
         if not math.isfinite(torque):

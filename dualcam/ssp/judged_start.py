@@ -54,8 +54,8 @@ def _design(
     known = {variable.name: variable for variable in description.variables}
     start: dict[str, Scalar] = {}
     for name in all_parameters():
-        if name in known and known[name].start is not None:
-            told = known[name].start
+        told = known[name].start if name in known else None
+        if told is not None:
             start[name] = str(folder / told) if isinstance(told, str) and told else told
     model = "forward" if known["tau"].causality == "input" else "inverse"
     found = [(name, value, unit_warning(name, value)) for name, value in values.items()]
