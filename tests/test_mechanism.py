@@ -306,6 +306,17 @@ def test_ledger_after_a_million_steps(fmu):
     assert fmu.get("events") > 10_000
 
 
+@pytest.mark.parametrize(("profile", "least", "most"), [(1, 0.0, 1e-14), (2, 1e-14, 1e-9)])
+def test_ledger_closes_to_rounding_for_helices_else_to_the_tolerance(make, profile, least, most):
+    """As the description of energy.residual says; the default tolerance is 1e-9."""
+    fmu = make().start({"cam1.profile": profile, "cam2.profile": profile, "inertia.shaft": 0.01})
+    residuals = []
+    for n in range(100):
+        fmu.step(0.02, tau=6.0 * math.sin(0.04 * math.pi * n))
+        residuals.append(abs(fmu.get("energy.residual")))
+    assert least <= max(residuals) / fmu.get("energy.work_in") <= most
+
+
 def test_ledger_does_not_change_the_motion(make):
     with_ledger, without = make().start(), make().start({"ledger": False})
     for n in range(3000):
