@@ -1,5 +1,6 @@
 """Packages of systems: start values reach every master, and a system that cannot be is refused."""
 
+import warnings
 import zipfile
 from dataclasses import replace
 
@@ -174,14 +175,22 @@ def test_what_is_no_path(call):
         call()
 
 
+def test_a_cam_that_locks_itself_is_packed_without_a_word(tmp_path):
+    """An exported FMU runs such a design, too: whether locking is meant only a design file can say."""
+    locks = replace(CAM, values={"cam1.lead_angle": 0.02})
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert replace(SYSTEM, components=(locks,)).save(tmp_path / "s.ssp").is_file()
+
+
 def test_start_values_that_look_like_another_unit_are_warned_of(tmp_path):
     strange = replace(CAM, values={"cam1.radius": 18.0})
     with pytest.warns(DualcamWarning, match="component 'cam': .*looks like millimetres; 18 mm is 0.018 m"):
         replace(SYSTEM, components=(strange,)).save(tmp_path / "s.ssp")
 
 
-def test_what_the_exported_fmu_has_already_is_meant(tmp_path):
-    """A cam that locks itself, by its table, may get another inertia; a spring that pulls is new."""
+def test_tables_of_an_exported_fmu_are_judged_with_the_start_values(tmp_path):
+    """A cam that locks itself, by its table, is what a component may be; a spring that pulls is an error."""
     (tmp_path / "flat.csv").write_text(
         "psi_rad,z_m\n0,0\n0.5,0.00114\n1,0.00228\n1.5,0.00342\n", encoding="utf-8"
     )

@@ -5,7 +5,7 @@
     Component         an FMU with start values
     design_system     the system with the FMU of a design alone
 
-May import common, fmi, design_file, checking, export.
+May import common, fmi, design, design_file, checking, export.
 """
 
 from dualcam.common.module_calls import explain_call_of
