@@ -8,6 +8,8 @@ from itertools import pairwise
 from typing import NamedTuple
 
 SWINGS = 24  # up or down, of the torque, that make a pattern
+CROSSINGS = 8  # steps in a row, each from stop to stop, that make one, too
+WHOLE = 0.99  # of the angle between the stops: a crossing
 FEW_STEPS = 16  # per swing: such a swing is not resolved
 MANY_STEPS = 100  # per swing: a slower one is not looked at
 JUMP = 0.5  # of a swing in one step: not resolved either, as that of a controller at its limits
@@ -32,15 +34,18 @@ class TorqueSwing(NamedTuple):
 
 class TorqueSwings:
     """Finds the pattern of an unstable loop in the torques of the steps: the torque goes up and down, each
-    time by about as much and in as many steps, without decay, and faster than the steps can follow."""
+    time by about as much and in as many steps, without decay, and faster than the steps can follow. Or each
+    step takes the cam from one stop to the other; `between_stops` is that angle [rad]."""
 
-    def __init__(self) -> None:
+    def __init__(self, between_stops: float) -> None:
+        self._between_stops, self._crossings = between_stops, 0
         self._torque, self._turned_at = math.nan, math.nan  # N.m
         self._steps, self._jump, self._rises = 0, 0.0, False
         self._swings: deque[TorqueSwing] = deque(maxlen=SWINGS)
 
-    def add(self, torque: float) -> None:
-        """The torque of the next step [N.m]."""
+    def add(self, torque: float, turn: float) -> None:
+        """The torque of the next step [N.m], and the angle by which the cam turned [rad]."""
+        self._crossings = self._crossings + 1 if abs(turn) > WHOLE * self._between_stops else 0
         change = torque - self._torque
         if change and (change > 0.0) is not self._rises:
             self._swings.append(TorqueSwing(self._steps, abs(self._torque - self._turned_at), self._jump))
@@ -49,19 +54,22 @@ class TorqueSwings:
         self._torque = torque
         self._steps += 1
 
-    @property
-    def steps(self) -> int:
-        """Steps of the latest swings together."""
-        return sum(swing.steps for swing in self._swings)
-
-    @property
-    def size(self) -> float:
-        """Of the latest swing [N.m]."""
-        return self._swings[-1].size
+    def in_words(self, step: float) -> str:
+        """The pattern, with steps of that size [s]."""
+        if self._crossings >= CROSSINGS:
+            return f"each of the last {self._crossings} steps of {step:g} s took the cam from stop to stop"
+        return (
+            f"the torque has gone up and down {SWINGS} times in {sum(swing.steps for swing in self._swings)}"
+            f" steps of {step:g} s, the last time by {self._swings[-1].size:.4g} N.m, without decay"
+        )
 
     @property
     def are_unstable(self) -> bool:
-        """Whether the latest swings have the pattern."""
+        """Whether the latest steps have a pattern."""
+        return self._crossings >= CROSSINGS or self._swing_without_decay
+
+    @property
+    def _swing_without_decay(self) -> bool:
         if len(self._swings) < SWINGS or any(swing.is_resolved for swing in self._swings):
             return False
         steps, sizes = [swing.steps for swing in self._swings], [swing.size for swing in self._swings]
@@ -78,9 +86,8 @@ def held_feedback_text(swings: TorqueSwings, step: float, end: float, begin: flo
     """Of the warning: torques of the plant function at the same motion, at the end of a step and at the
     beginning of the next one [N.m]."""
     return (
-        f"the torque has gone up and down {SWINGS} times in {swings.steps} steps of {step:g} s, the last time"
-        f" by {swings.size:.4g} N.m, without decay. Something outside the plant function changes it: at the"
-        f" same motion the function returned {end:.6g} N.m at the end of a step and {begin:.6g} N.m at the"
+        f"{swings.in_words(step)}. Something outside the plant function changes the torque: at the same"
+        f" motion the function returned {end:.6g} N.m at the end of a step and {begin:.6g} N.m at the"
         " beginning of the next one. Feedback that is computed outside the function, such as a controller's"
         " voltage, is held over the step, and the check of stability does not see it. What works: a shorter"
         " step, or the feedback inside the function and step_implicit. step_difference tells how much a"

@@ -137,7 +137,7 @@ class PlantCoupling:
         self._sensitivity = fmu.reals(*STEP_SENSITIVITIES)
         self._warned = False
         self._checked = False
-        self._swings = TorqueSwings()
+        self._swings = TorqueSwings(math.inf)
         self._foreseen: float | None = None  # N.m, of the plant at the motion at the end of the last step
 
     def motion(self) -> ShaftMotion:
@@ -183,7 +183,7 @@ class PlantCoupling:
         stability = self._stability(begin, size, order)
         if stability and not stability.stable:
             self._warn(str(stability))
-        return self._finished(CoupledStep(polynomial[0], self.motion(), 1, stability))
+        return self._finished(begin, CoupledStep(polynomial[0], self.motion(), 1, stability))
 
     def step_implicit(self, size: float, end_weight: float = 0.5) -> CoupledStep:
         """One step with the torque that suits the motion over the same step, by Newton's method.
@@ -233,7 +233,7 @@ class PlantCoupling:
                 bracket.add(torque, residual)
                 allowed = TOLERANCE * max(1.0, abs(torque))
                 if abs(residual) <= allowed or bracket.width <= 1e-4 * allowed:
-                    return self._finished(CoupledStep(torque, end, trial))
+                    return self._finished(begin, CoupledStep(torque, end, trial))
                 torque = bracket.next_trial(torque, residual, slope)
         except BaseException:  # also what the plant itself raises
             self.fmu.restore_state(state)
@@ -279,6 +279,7 @@ class PlantCoupling:
                     " function that changes no state and uses no random numbers. Change the plant's own"
                     " states after the step"
                 )
+            self._swings = TorqueSwings(self.fmu.real("stop.upper") - self.fmu.real("stop.lower"))
             self._checked = True
         if self._foreseen is not None:
             torque = self._plant_torque(begin)
@@ -286,9 +287,9 @@ class PlantCoupling:
                 self._warn(held_feedback_text(self._swings, size, self._foreseen, torque))
         return begin
 
-    def _finished(self, step: CoupledStep) -> CoupledStep:
+    def _finished(self, begin: ShaftMotion, step: CoupledStep) -> CoupledStep:
         """The step, after a look at the torques so far."""
-        self._swings.add(step.torque)
+        self._swings.add(step.torque, step.motion.theta - begin.theta)
         suspicious = not self._warned and self._swings.are_unstable
         self._foreseen = self._plant_torque(step.motion) if suspicious else None
         return step
