@@ -326,8 +326,8 @@ def test_feedback_outside_the_plant_is_seen(fmu, proportional, derivative, impli
 
 
 def test_swings_from_stop_to_stop_between_set_points_are_seen(fmu):
-    """A PI voltage outside, and a set-point that changes before 24 swings are made. At a hundredth of the step
-    the cam follows, with less than a hundredth of the work."""
+    """A PI voltage outside, and a set-point that changes before 24 swings are made. At a hundredth of the
+    step the cam follows, with less than a hundredth of the work."""
 
     def work(step):
         fmu.start({"inertia.shaft": J})
