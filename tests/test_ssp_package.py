@@ -7,9 +7,11 @@ from dataclasses import replace
 import pytest
 from fmpy.ssp.simulation import simulate_ssp
 from fmpy.validation import validate_fmu
+from pythonfmu.builder import FmuBuilder
 
 from dualcam import DesignError, DualcamError, DualcamWarning, Fmu, export_fmu, fmu_path
 from dualcam.cli import main
+from dualcam.coupling import Impedance, largest_stable_step
 from dualcam.ssp import Component, System
 
 FORWARD, INVERSE = fmu_path("forward"), fmu_path("inverse")
@@ -204,3 +206,40 @@ def test_tables_of_an_exported_fmu_are_judged_with_the_start_values(tmp_path):
     with pytest.raises(DesignError, match="component 'cam': spring force") as refusal:
         replace(SYSTEM, components=(pulls,)).save(tmp_path / "s.ssp")
     assert "self-locking" not in str(refusal.value)
+
+
+MOTOR = """
+from pythonfmu import Fmi2Causality, Fmi2Slave, Real
+
+class Motor(Fmi2Slave):
+    def __init__(self, **kwargs):
+        super().__init__(**kwargs)
+        self.omega, self.tau = 0.0, 0.0
+        self.register_variable(Real("omega", causality=Fmi2Causality.input))
+        self.register_variable(Real("tau", causality=Fmi2Causality.output))
+
+    def do_step(self, current_time, step_size):
+        self.tau = -1.25 * (self.omega - 3.0)
+        return True
+"""
+
+
+def test_a_motor_as_an_fmu_is_stable_up_to_half_of_the_step_of_a_function(tmp_path):
+    """D = 1.25 N.m.s/rad and J = 0.003022 kg.m2: D h/J < 1 in FMPy's master. Without friction and spring the
+    speed goes to 3 rad/s, or swings beyond any limit."""
+    inertia, impedance = 0.003022, Impedance(damping=1.25)
+    bound = largest_stable_step(inertia, impedance, plant_is_fmu=True)
+    assert bound == pytest.approx(0.5 * largest_stable_step(inertia, impedance), rel=1e-6)
+    (tmp_path / "motor.py").write_text(MOTOR, encoding="utf-8")
+    motor = Component("motor", FmuBuilder.build_FMU(tmp_path / "motor.py", dest=tmp_path), {})
+    free = {"cam1.friction": 0.0, "cam2.friction": 0.0, "spring.preload": 1e-9, "spring.stiffness": 0.0}
+    cam = replace(CAM, values=free | {"inertia.shaft": inertia, "stop.lower": -60.0, "stop.upper": 60.0})
+    connections = (("motor.tau", "cam.tau"), ("cam.omega", "motor.omega"))
+    system = System("one", "", (motor, cam), connections, 1e-3, 1.0, ("cam.theta",))
+    with pytest.warns(DualcamWarning, match="stop.upper = 60 rad: this looks like degrees"):
+        package = str(system.save(tmp_path / "s.ssp"))
+    for share, swings in ((0.9, False), (1.1, True)):
+        step = share * bound
+        omega = simulate_ssp(package, stop_time=150.5 * step, step_size=step)["cam.omega"]
+        assert bool(abs(omega[-20:] - 3.0).max() > 30.0) is swings
+        assert swings or abs(omega[-1] - 3.0) < 1e-2
