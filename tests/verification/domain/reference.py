@@ -264,7 +264,9 @@ class Simulation:
             return (0, UPPER_STOP) if self.theta >= mech.upper else (1, 0)
         if release < -near:
             return (0, LOWER_STOP) if self.theta <= mech.lower else (-1, 0)
-        return 0, WEDGED if self._into_lock(k, t) > near else STICK
+        into, soon = (self._into_lock(k, time) for time in (t, t + 1e-9 * self.duration))
+        wedged = into > near or (abs(into) <= near and soon > max(into, 0.0))  # its rate decides a tie
+        return 0, WEDGED if wedged else STICK
 
     def _into_lock(self, k: Place, t: float) -> float:
         """The torque beyond the frictionless one toward an infinite edge of the band; -inf: no edge is."""
@@ -290,6 +292,7 @@ class Simulation:
         k, mech = self.mechanism.at(self.theta), self.mechanism
         if max(len(self.tau), len(self.f_ext)) == 1:
             return self.duration
+        near = 1e-12 * self._torque_size(k, t)
         if self.mode in (UPPER_STOP, LOWER_STOP):
             sign = 1 if self.mode == UPPER_STOP else -1
 
@@ -299,13 +302,12 @@ class Simulation:
 
             def held(time: float) -> tuple[float, ...]:
                 into = self._into_lock(k, time)
-                return *self._gaps(k, time), into if self.mode == WEDGED else -into
+                return *self._gaps(k, time), near + (into if self.mode == WEDGED else -into)
 
         row: Sequence[float] = held(t)
         width = (self.duration - t) / SAMPLES
         if self.mode == WEDGED and min(row[:2]) < 0:
             return self.duration
-        near = 1e-12 * self._torque_size(k, t)
         row = tuple(0.0 if abs(gap) <= near else gap for gap in row)
         for cell in range(SAMPLES):
             end = self.duration if cell == SAMPLES - 1 else t + (cell + 1) * width
