@@ -9,7 +9,6 @@ import importlib
 import importlib.util
 import pkgutil
 import re
-import runpy
 import subprocess
 import sys
 import tomllib
@@ -137,20 +136,3 @@ def test_check_finds_what_is_broken(site, html, message):
     (found,) = check_site.check(site)
     assert found.startswith("more.html: ") and message in found
     assert check_site.main([str(site)]) == 1
-
-
-# ---- the site's own extension of Sphinx ----
-
-
-@pytest.fixture(scope="module")
-def extension():
-    pytest.importorskip("sphinx", reason="needs the extra `docs`")
-    return runpy.run_path(str(DOCS / "tools" / "site_extension.py"))
-
-
-def test_links_of_pages_outside_of_docs(extension):
-    """README.md is a page of the site; what has no page stays a file."""
-    target, page = extension["site_target"], DOCS / "site" / "overview.md"
-    assert target(ROOT / "docs/accuracy.md", page) == "../accuracy.md"
-    assert target(ROOT / "CHANGELOG.md", page) == "changelog.md"
-    assert target(ROOT / "CITATION.cff", DOCS / "cite.md") == "../CITATION.cff"
