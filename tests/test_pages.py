@@ -6,7 +6,6 @@ import re
 import runpy
 import subprocess
 import sys
-import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
 import pytest
@@ -212,14 +211,6 @@ def test_commands_named_exist(page):
 
 # ---- architecture.md ----
 
-ARCHITECTURE = TEXTS["docs/architecture.md"]
-
-
-def test_files_of_the_core_named_exist():
-    named = set(re.findall(r"`((?:\w+/)+\w+\.(?:[ch]|def))`", ARCHITECTURE))
-    assert len(named) > 20
-    assert {name for name in named if not (CORE / name).is_file() and not (ROOT / name).is_file()} == set()
-
 
 def test_picture_of_the_rooms_is_fresh(tmp_path):
     script = DOCS / "figures" / "architecture.py"
@@ -239,20 +230,6 @@ def test_page_of_variables_is_fresh():
     rows = set(re.findall(r"^\| `([\w.]+)` \|", TEXTS["docs/variables.md"], re.MULTILINE))
     for model in script.FMUS:
         assert {variable.name for variable in script.read_variables(model)} <= rows
-
-
-@pytest.mark.parametrize("model", ["DualCamForward", "DualCamInverse"])
-def test_both_versions_have_the_same_variables(model):
-    """Names and value references, but for the time, the indicators and the second names of the states."""
-    script = load(DOCS / "tools" / "variables_page.py")
-    tree = ElementTree.parse(ROOT / "modelDescription" / f"{model}.xml")
-    second = {v.get("name"): v.get("valueReference") for v in tree.iter("ScalarVariable")}
-    more = {"state.theta", "state.omega", "der(state.theta)", "der(state.omega)"}
-    assert {name for name in second if "state." in name} == (more if model == "DualCamForward" else set())
-    third = {v.name: v.reference for v in script.read_variables(model)}
-    assert {n: r for n, r in second.items() if n not in more} == {
-        name: reference for name, reference in third.items() if not script.ONLY_FMI3.fullmatch(name)
-    }
 
 
 # ---- limits.md ----

@@ -9,7 +9,6 @@ import importlib
 import importlib.util
 import pkgutil
 import re
-import runpy
 import subprocess
 import sys
 import tomllib

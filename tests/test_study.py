@@ -24,7 +24,6 @@ from scipy.stats import qmc, sobol_indices
 from study_cases import (
     DESIGN,
     FORWARD,
-    INVERSE,
     PLAN,
     PUSH,
     RESULTS,
@@ -234,26 +233,6 @@ def test_a_ramp_by_derivatives_is_the_limit_of_small_steps():
     few = runs_of(study(plan, Scenario(0.4, ramp), ["theta", "energy.work_in"])).values
     many = runs_of(study(plan, Scenario(0.4, ramp), [*reads, "theta", "energy.work_in"])).values[:, -2:]
     assert np.allclose(few, many, rtol=1e-9)
-
-
-def test_the_inverse_fmu_follows_a_motion():
-    """Moving up by helices at pi/4: tau = (F0 + k z)/(2 kappa) + J alpha, z = r theta/2, section 3 and 6."""
-    motion = History([0.0, 0.5, 1.0], [0.0, 0.6, 1.0], "smooth")
-    inputs = {
-        "theta": motion,
-        "omega": History(derivative_of="theta"),
-        "alpha": History(derivative_of="omega"),
-    }
-    plan = Plan(
-        "grid", {"cam1.friction": Vary(0.05, 0.2, count=4)}, same_as={"cam2.friction": "cam1.friction"}
-    )
-    one = study(plan, Scenario(1.0, inputs), ["tau@0.3", "tau@0.8"], INVERSE)
-    spline = CubicSpline(motion.time, motion.value, bc_type="clamped")
-    for mu, row in zip(np.linspace(0.05, 0.2, 4), runs_of(one).values, strict=True):
-        for at, tau in zip((0.3, 0.8), row, strict=True):
-            kappa = (1 - mu) / (0.02 * (1 + mu))
-            force = 50.0 + 50_000.0 * 0.01 * spline(at)
-            assert tau == pytest.approx(force / (2 * kappa) + 0.002 * spline(at, 2), rel=1e-12)
 
 
 def test_any_fmu_even_one_without_states_and_input_derivatives():

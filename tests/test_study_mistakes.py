@@ -7,7 +7,6 @@ import pytest
 from scipy.stats import norm
 from study_cases import FORWARD, SOUND_PLAN, refused, study
 
-from dualcam.design_file import DesignFileError
 from dualcam.study import Correlation, History, Plan, Scenario, StudyError, Vary, read_study
 
 
@@ -54,21 +53,6 @@ def test_one_mistake_gets_one_message(tmp_path, old, new, mentions):
     error = told(path)
     assert len(error.problems) == 1, error.problems
     assert all(word in str(error) for word in [str(path), *mentions]), str(error)
-
-
-def test_a_design_file_tells_all_mistakes_of_its_study(tmp_path):
-    path = tmp_path / "my.toml"
-    path.write_text("""
-scenario.stop = 0.1
-[study]
-results = ["theta"]
-plan.kind = "lattin"
-plan.run = 3
-plan.vary."cam1.frction" = {from = 0.1, to = 0.2}
-""")
-    with pytest.raises(DesignFileError) as caught:
-        read_study(path)
-    assert all(word in str(caught.value) for word in ("3 mistakes", "latin", "runs", "cam1.friction"))
 
 
 def test_a_study_of_a_design_may_have_its_own_scenario(tmp_path):

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from study_cases import FORWARD, INVERSE, refused, runs_of, study
 
-import dualcam
 from dualcam import Fmu
 from dualcam.__main__ import main
 from dualcam.errors import DualcamWarning
@@ -154,15 +153,6 @@ def test_the_inverse_fmu_follows_a_motion_whose_duration_varies():
         assert theta == pytest.approx(exact, rel=1e-12)
         force = 50.0 + 50_000.0 * 0.01 * exact
         assert tau == pytest.approx(force / (2.0 * kappa) + 0.002 * alpha, rel=1e-9)
-
-
-def test_fmi_3_makes_the_runs_of_fmi_2():
-    vary, scenario = SCENARIOS["jump"]
-    plan = Plan("latin", {"cam1.friction": FRICTION, **vary}, runs=12)
-    found = [runs_of(study(plan, scenario, RESULTS, source)) for source in
-             ("forward", dualcam.fmu_path("forward", fmi=3))]  # fmt: skip
-    assert not found[0].messages and not found[1].messages
-    assert np.allclose(found[0].values, found[1].values, rtol=1e-12)
 
 
 @pytest.mark.parametrize("saves_state", [True, False])

@@ -176,20 +176,17 @@ REFUSED = [  # tables and keys on which much depends
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize("old, new, words", REFUSED, ids=[new for _, new, _ in REFUSED])
-def test_what_follows_from_a_refused_table_is_not_told(folder, old, new, words):
-    found = problems(folder, [mistake("", old, new, words)])
-    assert len(found) == 1 and words in found[0], found
-
-
-@pytest.mark.parametrize("old, new, words", [
-    ("[optimise]", "[optimisy]", "the file has optimisy: did you mean optimise?"),
-    ("[plan.vary]", "[plan.varx]", "plan has varx: did you mean vary?"),
-    ('"cam1.lead_angle" = {{ from', '"cam1.lead_angel" = {{ from', "cam1.lead_angel is no variable"),
-    ('objectives."torque_load@0.0005" = "maximise"', "objectives = 3", "objectives = 3: allowed is a table"),
+@pytest.mark.parametrize("kind, old, new, words", [
+    *(("plan", *row) for row in REFUSED),
+    ("search", "[optimise]", "[optimisy]", "the file has optimisy: did you mean optimise?"),
+    ("search", "[plan.vary]", "[plan.varx]", "plan has varx: did you mean vary?"),
+    ("search", 'cam1.lead_angle" = {{ from', 'cam1.lead_angel" = {{ from', "cam1.lead_angel is no variable"),
+    ("search", 'objectives."torque_load@0.0005" = "maximise"', "objectives = 3",
+     "objectives = 3: allowed is a table"),
 ])  # fmt: skip
-def test_what_follows_from_a_refused_table_of_a_search_is_not_told(folder, old, new, words):
-    found = problems(folder, [mistake("", old, new, words)], SEARCH, read_optimisation)
+def test_what_follows_from_a_refused_table_is_not_told(folder, kind, old, new, words):
+    sound, read, _ = KINDS[kind]
+    found = problems(folder, [mistake("", old, new, words)], sound, read)
     assert len(found) == 1 and words in found[0], found
 
 
