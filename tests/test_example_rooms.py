@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parent.parent
-SYSTEMS = sorted((ROOT / "dualcam/systems").glob("*.py"))
+SYSTEMS = sorted((ROOT / "dualcam/systems").rglob("*.py"))
 EXAMPLES = sorted(path for path in (ROOT / "system_examples").glob("*.py") if path.stem != "__init__")
 SSP = sorted((ROOT / "system_examples/ssp").glob("*.py"))
 CASE_STUDIES = sorted((ROOT / "case_studies").rglob("*.py"))
@@ -43,7 +43,7 @@ def test_systems_need_nothing_outside_dualcam(path):
 
 def test_systems_are_imported_without_matplotlib():
     """Nor python-control, whose import takes seconds."""
-    modules = [f"dualcam.systems.{path.stem}" for path in SYSTEMS]
+    modules = [".".join(path.relative_to(ROOT).with_suffix("").parts) for path in SYSTEMS]
     code = f"import sys, {', '.join(modules)}; print({{'matplotlib', 'control'}} & set(sys.modules))"
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT, check=True)
     assert run.stdout.strip() == "set()"
