@@ -7,7 +7,7 @@ usage() {
 usage: ./build.sh [command] [arguments]
 
   (none)  build the FMUs for FMI 2.0 and FMI 3.0 and run the first example, a robot's elbow
-  test    build, then run the tests that need the FMUs of this machine only
+  test    build, then run the tests of the default tier, tests/default_tier.txt: three minutes
           test all    all tests, with FMUs for all platforms; what continuous integration runs
           test long   the tests that take minutes each
           test ...    arguments of pytest, such as tests/test_design.py or -k groove
@@ -77,14 +77,13 @@ install_dependencies() {
 
 build() { .venv/bin/python fmu_src/tools/build_fmu.py "$@"; }
 
-# run_tests [PYTEST ARGUMENTS]: builds for this machine, and becomes pytest in two processes.
+# run_tests [PYTEST ARGUMENTS]: builds for this machine, and becomes pytest in as many processes as processors.
 run_tests() {
     install_dependencies '.[test,study,docs]'
     build
-    # Else both processes, and each program that a test starts, would translate the sources again.
+    # Else all processes, and each program that a test starts, would translate the sources again.
     unset PYTHONDONTWRITEBYTECODE
-    # The order of the files is that of tests/support/longest_files.py.
-    exec .venv/bin/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder "$@"
+    exec .venv/bin/python -m pytest -n auto --dist worksteal "$@"
 }
 
 run_checks() {
@@ -131,7 +130,7 @@ case $command in
     '') run_program joint ;;
     test)
         case ${1-} in
-            '') run_tests -m "not long and not platforms" ;;
+            '') run_tests -m "not long and not platforms" @tests/default_tier.txt ;;
             all)
                 install_dependencies '.[test,study,docs]'
                 build all

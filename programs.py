@@ -9,6 +9,7 @@ import difflib
 import shutil
 import subprocess
 import sys
+import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -84,7 +85,7 @@ EXAMPLES = (
         "system_examples/sampling_elbow.py",
     ),
     Program("study", "Which parameters matter?", 0.5, "-m dualcam study", "build,study", arguments=STUDIES),
-    Program("ssp", "How do the examples run in other masters? docs/ssp.md", 3, "-m system_examples.ssp"),
+    Program("ssp", "How do the examples run in other masters? docs/use-ssp.md", 3, "-m system_examples.ssp"),
 )
 REPORTS = (
     Program("report-joint", "What else can be said about the joint?", 0.1, "-m case_studies.robot_joint"),
@@ -102,9 +103,16 @@ PAGES = (
         build=None,
         before=(
             *("docs/figures/mechanism.py", "docs/figures/architecture.py"),
-            *("docs/figures/design_quantities.py", "docs/tools/reliability_page.py"),
+            *("docs/figures/design_quantities.py", "docs/tools/trust_page.py"),
             *("docs/tools/design_file_page.py", "docs/tools/study_plan_page.py"),
+            "-m benchmarks.harness.old_figures",
         ),
+    ),
+    Program(
+        *("refresh", "Makes all published figures anew, and goes on where one fails", 57),
+        "programs.py --refresh",
+        "bench,strength",
+        build="all",
     ),
     Program(
         *("cad", "Draws docs/cut_grooves.png with solids of cams, tests STEP files", 1),
@@ -174,7 +182,7 @@ VERIFICATION = (
     Program("hunting", "Is it predicted where a PI position loop hunts?", 1, "-m verification.hunting"),
     Program("all", "Do the FMUs build for all platforms?", 2, f"{BUILD} all", build=None),
     Program(
-        *("stress", "How far can each parameter be taken? Writes docs/stress.md", 15),
+        *("stress", "How far can each parameter be taken?", 15),
         *("-m verification.stress", "test"),
     ),
     Program(
@@ -204,7 +212,7 @@ VERIFICATION = (
     ),
     Program(
         *("compare", "Do the FMUs compute the same bits as those of another build? DIRECTORY", 2),
-        "-m verification.builds.compare",
+        "-m verification.compare_builds",
     ),
     Program(
         *("endurance", "Does memory grow over 10^6 lives, or an error over 10^8 steps?", 2),
@@ -222,6 +230,42 @@ VERIFICATION = (
         *("coverage", "Which branches of the C code do the tests take?", 30),
         *("-m verification.strength.coverage", "strength"),
     ),
+)
+# What makes the published figures anew: name, arguments, minutes. Cheap ones first, the pages last.
+REFRESH = (
+    ("paper", "", 0.1),
+    ("coupling", "", 0.2),
+    ("ownplant", "", 0.2),
+    ("web", "", 0.2),
+    ("stickslip", "", 0.3),
+    ("creep", "", 0.5),
+    ("friction", "", 0.5),
+    ("gym", "--rounds 3", 0.5),
+    ("study", "", 0.5),
+    ("rate", "--rounds 9", 0.5),
+    ("hunting", "", 1),
+    ("view", "", 1),
+    ("fleet", "", 2),
+    ("firstuse", "", 2),
+    ("endurance", "", 2),
+    ("studygrowth", "--rounds 3", 2),
+    ("elementary", "--rounds 11", 2),
+    ("ssp", "", 3),
+    ("platforms", "--rounds 3", 3),
+    ("fuzz-cuts", "--minutes 3", 4),
+    ("hash", "", 5),
+    ("masters", "", 5),
+    ("bench", "", 7),
+    ("stress", "--fuzz 1000", 7),
+    ("figures", "", 0.3),
+)
+# These judge the tests, or take long for other reasons: `./build.sh run refresh --long` runs them too.
+LONG_REFRESH = (
+    ("sampling", "--table benchmarks/results/sampling_elbow.csv --picture docs/sampling_elbow.png", 10),
+    ("mutants", "", 20),
+    ("coverage", "", 30),
+    ("fuzz-record", "--seed 1", 60),
+    ("figures", "", 0.3),
 )
 TABLE = {
     "Examples": EXAMPLES,
@@ -280,14 +324,43 @@ def run(program: Program, arguments: Sequence[str]) -> int:
     return 0
 
 
+def run_or_say(name: str, arguments: Sequence[str]) -> int:
+    """As run(). What keeps a program from running is printed."""
+    try:
+        return run(PROGRAMS[name], arguments)
+    except SystemExit as problem:
+        print(problem)
+        return 1
+
+
+def refresh(steps: Sequence[tuple[str, str, float]]) -> int:
+    """Runs all steps, also after one that fails. The last lines are those that failed."""
+    failed, begun = [], time.monotonic()
+    print(f"{len(steps)} programs, about {sum(minutes for *_, minutes in steps):.0f} minutes on two cores")
+    for number, (name, arguments, minutes) in enumerate(steps, 1):
+        since = time.monotonic()
+        print(f"[{number}/{len(steps)}] {name} {arguments}: about {minutes:g} min", flush=True)
+        code = run_or_say(name, arguments.split())
+        now = time.monotonic()
+        outcome = f"FAILED with exit code {code}" if code else "done"
+        times = f"{(now - since) / 60:.1f} min, {(now - begun) / 60:.1f} min since the start"
+        print(f"[{number}/{len(steps)}] {name}: {outcome}, {times}", flush=True)
+        failed += [f"  {name}: exit code {code}"] if code else []
+    print("\n".join(["These failed:", *failed]) if failed else "All figures are new.")
+    return int(bool(failed))
+
+
 def main(words: Sequence[str]) -> int:
-    """No words: prints the table. `--extras NAME`: prints the extras of a program. Else runs a program."""
+    """No words: prints the table. `--extras NAME`: prints the extras of a program. `--refresh`: the program
+    refresh. Else runs a program."""
     if not words:
         print(table())
         return 0
     if words[0] == "--extras":
         print(find(words[1]).extras)
         return 0
+    if words[0] == "--refresh":
+        return refresh((*REFRESH, *LONG_REFRESH) if "--long" in words else REFRESH)
     return run(find(words[0]), words[1:])
 
 

@@ -34,6 +34,7 @@ from matplotlib.figure import Figure
 from rich.progress import track
 from scipy.stats import bootstrap
 
+from benchmarks.harness.circumstances import commit, core_of
 from dualcam.design.statics import Array
 from dualcam.systems.blocks.axis_bank import AxisBank
 from dualcam.systems.blocks.current_loop import CONTROL_PERIOD
@@ -240,9 +241,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
     print(report(rows))
     draw(results, given.picture)
     with given.table.open("w", newline="", encoding="utf-8") as file:
-        csv.writer(file, lineterminator="\n").writerows(
-            [("kind", "name", "figure", "middle", "low", "high"), *rows]
-        )
+        head = ("kind", "name", "figure", "middle", "low", "high", "commit", "core")
+        measured = (commit(), core_of())
+        csv.writer(file, lineterminator="\n").writerows([head, *((*row, *measured) for row in rows)])
     print(f"{time.perf_counter() - wall:.0f} s; written: {given.picture}, {given.table}")
 
 

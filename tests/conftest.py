@@ -8,7 +8,6 @@ from decay_fmu import make_decay_fmu
 from driver import ROOT, Driver, layout_code, load, models
 from hypothesis import settings
 from hypothesis.internal.conjecture import providers
-from longest_files import LONGEST_FILES
 
 # Helpers whose failed assertions pytest shows with values, as it does in test files.
 pytest.register_assert_rewrite("control_cases", "fmi3_scenes", "state_table", "study_cases")
@@ -23,12 +22,23 @@ settings.register_profile("long", max_examples=20_000, deadline=None)
 settings.load_profile("short")
 
 
+def pytest_addoption(parser):
+    parser.addoption("--count-skips", action="store_true", help="fail if more is skipped than most_skipped")
+    parser.addini("most_skipped", "tests that continuous integration may skip", type="int", default=0)
+
+
 @pytest.hookimpl(trylast=True)
-def pytest_collection_modifyitems(items):
-    """Puts the longest files first. Of two processes that take one file after the other, one waits at the end
-    while the other runs the last file."""
-    place = {name: k for k, name in enumerate(LONGEST_FILES)}
-    items.sort(key=lambda item: place.get(item.path.name, len(place)))
+def pytest_sessionfinish(session):
+    """A runner that lost a program skips its tests: that is no success."""
+    reporter = session.config.pluginmanager.get_plugin("terminalreporter")  # not in a process of xdist
+    if reporter is None or not session.config.getoption("count_skips"):
+        return
+    skipped, most = len(reporter.stats.get("skipped", [])), session.config.getini("most_skipped")
+    if skipped > most and session.exitstatus == pytest.ExitCode.OK:
+        reporter.write_line(
+            f"{skipped} tests are skipped, allowed are {most} (most_skipped in pyproject.toml)"
+        )
+        session.exitstatus = pytest.ExitCode.TESTS_FAILED
 
 
 @pytest.fixture(scope="session")

@@ -82,18 +82,19 @@ def fmi_headers(directory):
 
 @pytest.fixture(scope="session")
 def compiled(model, unzipped, tmp_path_factory):
-    """The sources as they are in the FMU, with the command that they and the documentation name; the inverse
-    FMU without optimisation, which takes a third of the time and must give the same digits."""
+    """The sources as they are in the FMU. Those of the forward FMU with the command that they and the
+    documentation name. Those of the inverse FMU as other tools compile: from another folder, and without
+    optimisation, which takes a third of the time and must give the same digits."""
     directory = tmp_path_factory.mktemp(f"compiled-{model}")
     library = directory / f"{model}.so"
-    sources = c_files(unzipped / "sources")
-    level = ["-O2"] if model is FORWARD else ["-O0", "-fno-sanitize=undefined"]
+    level, folder = (["-O2"], "sources") if model is FORWARD else (["-O0", "-fno-sanitize=undefined"], ".")
+    sources = c_files(unzipped / folder)
     options = ["-std=c17", *level, "-ffp-contract=off", "-fPIC", "-shared"]
     options += ["-Wall", "-Wextra", "-Wpedantic", "-Werror"]
     options += ["-DCO_SIMULATION", "-DMODEL_EXCHANGE"]  # as FMPy's create_cmake_project has it
     headers = fmi_headers(directory / "headers")
     command = [*build_fmu.ZIG, *options, "-isystem", headers, *sources, "-lm", "-o", library]
-    subprocess.run(command, cwd=unzipped / "sources", check=True, capture_output=True, text=True)
+    subprocess.run(command, cwd=unzipped / folder, check=True, capture_output=True, text=True)
     return library
 
 
@@ -136,29 +137,6 @@ def test_the_functions_can_have_the_prefix_that_static_linking_needs(model, unzi
     command = [*build_fmu.ZIG, *options, "-c", "fmi/fmi2.c", "-o", product]
     subprocess.run(command, cwd=unzipped / "sources", check=True)
     assert f"\0{model}_fmi2DoStep\0".encode() in product.read_bytes()
-
-
-@pytest.mark.parametrize(("identifier", "version"), [(FORWARD.identifier, 2), (INVERSE.identifier, 3)])
-def test_macros_and_options_of_importers_do_not_disturb_the_sources(identifier, version, tmp_path):
-    """FMPy's CMake projects define CO_SIMULATION and MODEL_EXCHANGE. Other tools compile from another folder,
-    and name no include directory but that of the FMI headers."""
-    with zipfile.ZipFile(build_fmu.place(version) / f"{identifier}.fmu") as archive:
-        archive.extractall(tmp_path)
-    sources = [f"sources/{name}" for name in c_files(tmp_path / "sources")]
-    options = [
-        "-std=c17",
-        "-O0",
-        "-fno-sanitize=undefined",
-        "-fPIC",
-        "-shared",
-        "-Wall",
-        "-Wextra",
-        "-Werror",
-    ]
-    macros = ["-DCO_SIMULATION", "-DMODEL_EXCHANGE", "-DFMI3_OVERRIDE_FUNCTION_PREFIX"]
-    product = ["-lm", "-o", tmp_path / f"{identifier}.so"]
-    command = [*build_fmu.ZIG, *options, *macros, "-isystem", build_fmu.fmi_headers(), *sources, *product]
-    subprocess.run(command, cwd=tmp_path, check=True, capture_output=True, text=True)
 
 
 # ---- documentation ----

@@ -1,13 +1,16 @@
 """Blocks of dualcam.systems against closed forms, finite differences, balances and the FMUs."""
 
 import math
+import pkgutil
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from dualcam import Fmu
+from dualcam import Fmu, systems
 from dualcam.systems.blocks.elliptical_cam import EllipticalCam
 from dualcam.systems.blocks.impedance import ImpedanceController
 from dualcam.systems.blocks.motions import FourierSeries
@@ -147,3 +150,11 @@ def test_height_of_the_elliptical_cam_is_the_integral_of_its_slope():
     height = float(CAM.slope_and_height(np.array([1.2]))[1][0])
     assert quad(rate, 0.0, 1.2, epsabs=1e-14)[0] == pytest.approx(height, rel=1e-12)
     assert rate(0.0) == pytest.approx(0.01 * math.tan(CAM.lead_angle), rel=1e-12)
+
+
+def test_systems_are_imported_without_matplotlib():
+    """Nor python-control, whose import takes seconds."""
+    modules = [f"dualcam.systems.{module.name}" for module in pkgutil.iter_modules(systems.__path__)]
+    code = f"import sys, {', '.join(modules)}; print({{'matplotlib', 'control'}} & set(sys.modules))"
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT, check=True)
+    assert run.stdout.strip() == "set()"

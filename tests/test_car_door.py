@@ -458,27 +458,6 @@ def test_table_of_the_page(results):
         assert [cell.strip() for cell in cells.split("|")] == measured
 
 
-def test_text_of_the_page(results):
-    """So do the figures between the tables."""
-    hold, half = car_door.design(), car_door.design().with_spring_force(0.5)
-    moves = [
-        results.cycles[attitude, CAM].move_energy / results.cycles[attitude, BARE].move_energy
-        for attitude in ATTITUDES
-    ]
-    fastest = max(np.max(-results.hands[attitude, CAM].speed) for attitude in car_door.ATTITUDES)
-    plain = max(results.hands[attitude, BARE].latch_speed for attitude in car_door.ATTITUDES)
-    text = " ".join(PAGE.split())
-    for phrase in (
-        f"with at most {fastest:.1f} rad/s, where the plain door slams with {plain:.1f}.",
-        f"moving takes {min(moves):.0f} to {max(moves):.0f} times the energy",
-        f"needs {car_door.handle_force(hold, [car_door.LEVEL]):.0f} N at the handle instead of"
-        f" {car_door.handle_force(hold.with_spring_force(0.0), [car_door.LEVEL]):.0f}.",
-        f"needs {car_door.handle_force(half, [car_door.LEVEL]):.0f} N and holds at"
-        f" {100 * car_door.share_of_angles_held(half):.0f} % of the angles",
-    ):
-        assert phrase in text
-
-
 def test_command_line(tmp_path, capsys):
     output = tmp_path / "door.png"
     example.main(["--fmu", str(FMU), "--output", str(output)])

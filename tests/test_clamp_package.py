@@ -206,19 +206,3 @@ def test_the_row_beside_python_is_the_coupled_run(coupled):
     assert not outcome.wrong
     hot = coupled | {"thermal.heat_in": coupled["thermal.heat_in"] + 1.0}
     assert clamp_runs.beside_python(hot).wrong
-
-
-def test_the_page_has_every_case():
-    page = (ROOT / "docs/ssp.md").read_text()
-    rows = [
-        [cell.strip() for cell in line.split("|")]
-        for line in page.split("\n")
-        if line.startswith("| spring_clamp")
-    ]
-    found = {(row[2], row[4], row[-2]) for row in rows}
-    assert found == {
-        ("ecos", "connections", "agrees"),
-        ("libcosim", "connections", "refuses parameters"),
-        ("libcosim", "script", "agrees"),
-        ("Python", "Python", "agrees"),
-    }

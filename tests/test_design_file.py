@@ -582,20 +582,6 @@ def test_any_bytes_give_a_design_or_an_error(tmp_path_factory, content):
     design_or_error(tmp_path_factory.getbasetemp() / "any.toml", content)
 
 
-def test_defaults_of_pin_and_limits_are_in_the_page_and_the_schema():
-    page = (ROOT / "docs/design-file.md").read_text(encoding="utf-8")
-    for row in (
-        "| `limits.pressure` | Pa | 1.5e+09 |",
-        "| `pin.modulus` | Pa | 2.1e+11 |",
-        "| `pin.cam_modulus` | Pa | 2.1e+11 |",
-        "| `pin.poisson` |  | 0.3 |",
-        "| `limits.lead_angle` | rad | [0.0872665, 1.39626], 5 to 80 deg |",
-        "| `limits.self_locking` |  | false |",
-    ):
-        assert row in page
-    assert json_schema()["$defs"]["Limits"]["properties"]["pressure"]["default"] == 1.5e9
-
-
 @pytest.mark.parametrize(
     ("text", "unit", "value"),
     [

@@ -127,19 +127,3 @@ def test_a_public_method_has_its_sections(name):
     if arguments:
         assert set(named(found["Parameters"])) == set(arguments)
         assert "Returns" in found or inspect.signature(method).return_annotation in (None, "None")
-
-
-def test_the_check_finds_what_is_missing():
-    def good(theta, omega, *names):
-        """One line.
-
-        Parameters
-        ----------
-        theta, omega : float
-            Angle [rad] and speed [rad/s].
-        *names : str
-            Names.
-        """
-
-    assert set(named(sections(good)["Parameters"])) == set(arguments_of(good)) == {"theta", "omega", "names"}
-    assert "Returns" not in sections(good)

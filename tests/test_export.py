@@ -25,7 +25,6 @@ from dualcam import Fmu
 from dualcam.design_file import DesignFile
 from dualcam.errors import DualcamError, DualcamWarning, FmuError
 from dualcam.export import ExportError, export_fmu, model_identifier
-from dualcam.export.scenario import python_lines
 from dualcam.fmi.library import fmu_path
 from dualcam.fmi.variables import inputs_of
 from dualcam.simulation.run import simulate
@@ -642,11 +641,6 @@ def test_the_lines_on_the_page_play_the_scenario(tmp_path, monkeypatch, model, f
         # of 1 ms miss theta by up to alpha h^2/8 = 23 rad/s^2 * (1 ms)^2/8 = 3e-6 rad, of 0.9 rad.
         late = result["tau"][1:] - wanted["tau"][:-1]
         assert np.max(np.abs(late)) <= 3e-6 / 0.9 * np.max(wanted["tau"])
-
-
-def test_the_page_of_the_command_line_has_the_same_lines():
-    page = (driver.ROOT / "docs/command-line.md").read_text(encoding="utf-8").replace("\n\n", "\n")
-    assert python_lines("MyCam.fmu", Scenario(2.0), "forward") in page
 
 
 def test_the_file_of_the_scenario_has_the_corners_and_jumps(tmp_path):

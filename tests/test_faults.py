@@ -100,7 +100,7 @@ def run_thrower(source: str, compiler: list[str], platform: Platform, place: Pat
 @each_thrower
 def test_an_exception_of_cpp_goes_through_a_call(source, tmp_path):
     if shutil.which("g++") is None:
-        pytest.skip("g++ is not installed")
+        pytest.skip("g++ is not installed (Debian: g++)")
     run_thrower(source, ["g++"], build_fmu.host_platform(THROWN[source][0]), tmp_path)
 
 
@@ -125,7 +125,7 @@ def german(tmp_path_factory):
     folder = tmp_path_factory.mktemp("locale")
     command = ["localedef", "-i", "de_DE", "-f", "UTF-8", folder / "de_DE.UTF-8"]
     if shutil.which("localedef") is None or subprocess.run(command, capture_output=True).returncode != 0:
-        pytest.skip("localedef cannot make the locale de_DE.UTF-8")
+        pytest.skip("localedef cannot make the locale de_DE.UTF-8 (Debian: locales)")
     return folder
 
 
@@ -143,7 +143,7 @@ def race_finder(tmp_path_factory):
     folder = tmp_path_factory.mktemp("races")
     flags = ["-fsanitize=thread", *FLAGS]
     if shutil.which("gcc") is None:
-        pytest.skip("gcc is not installed")
+        pytest.skip("gcc is not installed (Debian: gcc)")
 
     def compiled(name: str, sources: list[Path], *options: str) -> Path:
         build_fmu.compile_c(["gcc"], [*flags, *options], sources, folder / name)

@@ -1,5 +1,5 @@
-"""Friction that depends on the sliding speed, and wear (docs/mechanism.md, sections 9 and 10): outputs,
-derivatives, tuning, refusals. The motion is in test_friction_scenes.py."""
+"""Friction that depends on the sliding speed or on the load, and wear (docs/mechanism.md, sections 9 and 10):
+outputs, derivatives, tuning, refusals. The motion is in test_friction_scenes.py."""
 
 import math
 
@@ -21,6 +21,14 @@ STRIBECK = {
     "cam2.stribeck_exponent": 1,
     "cam2.friction_viscous": 0.05,
 }
+LOADED = {
+    "cam1.friction_load_exponent": 0.3,
+    "cam1.friction_load": 80.0,
+    "cam2.friction_load_exponent": -0.4,
+    "cam2.friction_load": 150.0,
+}
+LAWS = {"of speed": STRIBECK, "of load": LOADED, "of both": STRIBECK | LOADED}
+of_each_law = pytest.mark.parametrize("laws", LAWS.values(), ids=LAWS)
 WEARING = {"cam1.wear": 2e-13, "cam2.wear": 5e-13}
 TUNED = [
     f"cam{i}.{n}"
@@ -199,8 +207,10 @@ def test_wear_where_friction_varies(make_model):
         assert wear == pytest.approx(sums[i - 1] + first[i - 1], rel=2e-3)
 
 
-def test_power_is_the_rate_of_the_heat(make_model):
-    fmu = make_model(FORWARD).start(STRIBECK | {"initial.theta": 0.2, "initial.omega": 3.0})
+@of_each_law
+def test_power_is_the_rate_of_the_heat(make_model, laws):
+    masses = {"inertia.follower_mass": 1.0, "inertia.follower": 1e-4, "cam2.radius": 0.025}
+    fmu = make_model(FORWARD).start(laws | masses | {"initial.theta": 0.2, "initial.omega": 3.0})
     h = 1e-6
     fmu.step(0.01, tau=6.0)
     before = [fmu.get(f"energy.heat_cam{i}") for i in (1, 2)]
@@ -248,6 +258,8 @@ def test_directional_derivatives(make_model, omega):
 
 REGIMES = {
     "inertial": output_derivatives.REGIMES["inertial"] | STRIBECK,
+    "inertial, both laws": output_derivatives.REGIMES["inertial"] | STRIBECK | LOADED,
+    "rate-independent": LOADED,
 }
 
 
@@ -256,7 +268,7 @@ def check_output_derivatives(make_model, groove, regime, values, direction):
     base = output_derivatives.LINEAR | output_derivatives.CURVED | output_derivatives.GROOVES[groove]
     fmu, inputs = output_derivatives.slipping(make_model, base | values, direction)
     mode = 2 if direction > 0 else 3
-    step = output_derivatives.H["inertial" if regime == "inertial" else "viscous"]
+    step = output_derivatives.H["inertial" if regime.startswith("inertial") else "viscous"]
     output_derivatives.check_between_events(fmu, inputs, 0.3 * step, mode)
 
 
@@ -269,12 +281,16 @@ def test_output_derivatives(make_model, groove, regime, direction):
 
 Scene = step_sensitivity.Scene
 SCENES = {
-    "slip": Scene(step_sensitivity.SLIP | STRIBECK, 6.0, 0.01, size=1e-3),
-    "slip, ellipses": Scene(
-        step_sensitivity.SLIP | STRIBECK | step_sensitivity.ELLIPSES, 6.0, 0.01, size=1e-3
-    ),
-    "to rest": Scene(step_sensitivity.SLIP | STRIBECK, 3.0, 0.05, mode=1, events=1, size=1e-3),
-    "breakaway": Scene(step_sensitivity.REST | STRIBECK, 3.0, 0.03, (100.0,), events=1, size=1e-4),
+    f"{name}, {word}": scene
+    for word, laws in LAWS.items()
+    for name, scene in {
+        "slip": Scene(step_sensitivity.SLIP | laws, 6.0, 0.01, size=1e-3),
+        "slip, ellipses": Scene(
+            step_sensitivity.SLIP | laws | step_sensitivity.ELLIPSES, 6.0, 0.01, size=1e-3
+        ),
+        "to rest": Scene(step_sensitivity.SLIP | laws, 3.0, 0.05, mode=1, events=1, size=1e-3),
+        "breakaway": Scene(step_sensitivity.REST | laws, 3.0, 0.03, (100.0,), events=1, size=1e-4),
+    }.items()
 }
 
 
@@ -286,11 +302,11 @@ def test_step_sensitivity(make_model, name):
 # ---- model exchange ----
 
 
-def test_cvode_sees_no_chatter(calls):
-    exchange_scene = (STRIBECK, [(0.0, 0.0), (0.05, 12.0), (0.3, 3.0), (0.6, 30.0), (0.8, -5.0)])
-    values, torque = exchange_scene
-    wanted = exchange.simulate("CoSimulation", values, torque, 1e-11)
-    found = exchange.simulate("ModelExchange", values, torque, 1e-9)
+@pytest.mark.parametrize("laws", ["of speed", "of both"])
+def test_cvode_sees_no_chatter(calls, laws):
+    torque = [(0.0, 0.0), (0.05, 12.0), (0.3, 3.0), (0.6, 30.0), (0.8, -5.0)]
+    wanted = exchange.simulate("CoSimulation", LAWS[laws], torque, 1e-11)
+    found = exchange.simulate("ModelExchange", LAWS[laws], torque, 1e-9)
     for name, size in exchange.SIZE.items():
         assert np.abs(found[name] - wanted[name]).max() / size <= 1e-5
     assert calls["enterEventMode"] <= wanted["events"][-1] + 2 * len(torque)
@@ -303,24 +319,23 @@ calls = exchange.calls
 # ---- tuning, states, refusals ----
 
 
-def test_tuning_changes_the_law_at_once(make_model):
+@of_each_law
+def test_tuning_changes_the_law_at_once(make_model, laws):
     """A law tuned during a run gives the run that a start with this law at the same state gives."""
     fmu = make_model(FORWARD).start({"initial.theta": 0.3, "initial.omega": 2.0})
     fmu.step(0.005, tau=6.0)
-    fmu.set({name: value for name, value in STRIBECK.items() if not name.endswith("exponent")})
-    fmu.set({"cam2.stribeck_exponent": 1})
+    fmu.set(laws)
     state = {"initial.theta": fmu.get("theta"), "initial.omega": fmu.get("omega")}
-    other = make_model(FORWARD).start(STRIBECK | state)
+    other = make_model(FORWARD).start(laws | state)
     for one in (fmu, other):
         one.step(0.01, tau=6.0)
-    assert fmu.get("theta") == pytest.approx(other.get("theta"), rel=1e-9)
-    assert fmu.get("cam1.friction_coefficient") == pytest.approx(
-        other.get("cam1.friction_coefficient"), rel=1e-9
-    )
+    for name in ("theta", "cam1.friction_coefficient", "cam2.friction_coefficient"):
+        assert fmu.get(name) == pytest.approx(other.get(name), rel=1e-9)
 
 
-def test_a_restored_run_repeats(make_model):
-    fmu = make_model(FORWARD).start(STRIBECK | WEARING)
+@of_each_law
+def test_a_restored_run_repeats(make_model, laws):
+    fmu = make_model(FORWARD).start(laws | WEARING)
     fmu.step(0.05, tau=9.0)
     state = fmu.take()
     runs = []

@@ -5,24 +5,16 @@ import math
 
 import numpy as np
 import pytest
-import test_model_exchange as exchange
-import test_output_derivatives as output_derivatives
 import test_step_sensitivity as step_sensitivity
 from driver import Driver, models
 from friction_scenes import LOADED_FILE, LOADED_WANTED, load
 from reference.friction import FrictionLaw
 from reference.parameters import DEFAULTS
 from scipy.optimize import brentq
-from test_friction_law import STRIBECK, WEARING, check_output_derivatives, slope
+from test_friction_law import LOADED, STRIBECK, WEARING, slope
 from test_general_accuracy import TOLERANCES, cuts, title, verdict
 from test_sensitivity import partial
 
-LOADED = {
-    "cam1.friction_load_exponent": 0.3,
-    "cam1.friction_load": 80.0,
-    "cam2.friction_load_exponent": -0.4,
-    "cam2.friction_load": 150.0,
-}
 LAW = (
     "friction",
     "friction_peak",
@@ -225,46 +217,7 @@ def test_directional_derivatives_with_an_elastic_shaft(make_model):
         assert found == pytest.approx(expected, rel=1e-5, abs=1e-7 * abs(fmu.get("tau"))), known
 
 
-REGIMES = {
-    "inertial": output_derivatives.REGIMES["inertial"] | STRIBECK | LOADED,
-    "rate-independent": LOADED,
-}
-
-
-@pytest.mark.parametrize("direction", [1, -1])
-@pytest.mark.parametrize("regime", REGIMES)
-@pytest.mark.parametrize("groove", ["helices", "ellipses"])
-def test_output_derivatives(make_model, groove, regime, direction):
-    check_output_derivatives(make_model, groove, regime, REGIMES[regime], direction)
-
-
-Scene = step_sensitivity.Scene
-SCENES = {
-    "slip": Scene(step_sensitivity.SLIP | LOADED, 6.0, 0.01, size=1e-3),
-    "slip, all laws": Scene(step_sensitivity.SLIP | LOADED | STRIBECK, 6.0, 0.01, size=1e-3),
-    "slip, ellipses": Scene(step_sensitivity.SLIP | LOADED | step_sensitivity.ELLIPSES, 6.0, 0.01, size=1e-3),
-    "to rest": Scene(step_sensitivity.SLIP | LOADED, 3.0, 0.05, mode=1, events=1, size=1e-3),
-    "breakaway": Scene(step_sensitivity.REST | LOADED, 3.0, 0.03, (100.0,), events=1, size=1e-4),
-}
-
-
-@pytest.mark.parametrize("name", SCENES)
-def test_step_sensitivity(make_model, name):
-    step_sensitivity.check(make_model, SCENES[name])
-
-
 # ---- the motion ----
-
-
-def test_power_is_the_rate_of_the_heat(make_model):
-    fmu = make_model(FORWARD).start(LOADED | STRIBECK | MASSES | {"initial.theta": 0.2, "initial.omega": 3.0})
-    h = 1e-6
-    fmu.step(0.01, tau=6.0)
-    before = [fmu.get(f"energy.heat_cam{i}") for i in (1, 2)]
-    fmu.step(h, tau=6.0)
-    power = [fmu.get(f"cam{i}.friction_power") for i in (1, 2)]
-    for i in (1, 2):
-        assert (fmu.get(f"energy.heat_cam{i}") - before[i - 1]) / h == pytest.approx(power[i - 1], rel=1e-4)
 
 
 GROOVES = {"helices": {}, "ellipses": step_sensitivity.ELLIPSES}
@@ -309,19 +262,6 @@ def test_rest_ends_where_the_torque_leaves_the_band(make_model, regime):
     assert fmu.get("mode") == 2
 
 
-def test_cvode_sees_no_chatter(calls):
-    scene = [(0.0, 0.0), (0.05, 12.0), (0.3, 3.0), (0.6, 30.0), (0.8, -5.0)]
-    wanted = exchange.simulate("CoSimulation", LOADED | STRIBECK, scene, 1e-11)
-    found = exchange.simulate("ModelExchange", LOADED | STRIBECK, scene, 1e-9)
-    for name, size in exchange.SIZE.items():
-        assert np.abs(found[name] - wanted[name]).max() / size <= 1e-5
-    assert calls["enterEventMode"] <= wanted["events"][-1] + 2 * len(scene)
-    assert calls["getDerivatives"] <= 3_000
-
-
-calls = exchange.calls
-
-
 def test_imposed_motion_closes_the_ledger(make_model):
     for shaft in ({}, {"shaft.stiffness": 60.0}):
         fmu = make_model(INVERSE).start(LOADED | WEARING | shaft)
@@ -331,34 +271,6 @@ def test_imposed_motion_closes_the_ledger(make_model):
             fmu.step(0.01, theta=angle, omega=1.8 * math.sin(3 * t), alpha=5.4 * math.cos(3 * t))
         assert fmu.get("energy.heat_cam1") > 0.1
         assert abs(fmu.get("energy.residual")) <= 1e-8 * fmu.get("energy.heat_cam1")
-
-
-# ---- tuning and states ----
-
-
-def test_tuning_changes_the_law_at_once(make_model):
-    fmu = make_model(FORWARD).start({"initial.theta": 0.3, "initial.omega": 2.0})
-    fmu.step(0.005, tau=6.0)
-    fmu.set(LOADED)
-    state = {"initial.theta": fmu.get("theta"), "initial.omega": fmu.get("omega")}
-    other = make_model(FORWARD).start(LOADED | state)
-    for one in (fmu, other):
-        one.step(0.01, tau=6.0)
-    for name in ("theta", "cam1.friction_coefficient", "cam2.friction_coefficient"):
-        assert fmu.get(name) == pytest.approx(other.get(name), rel=1e-9)
-
-
-def test_a_restored_run_repeats(make_model):
-    fmu = make_model(FORWARD).start(LOADED | STRIBECK | WEARING)
-    fmu.step(0.05, tau=9.0)
-    state = fmu.take()
-    runs = []
-    for _ in range(2):
-        fmu.restore(state)
-        fmu.time = 0.05
-        fmu.step(0.02, tau=11.0)
-        runs.append([fmu.get(n) for n in ("theta", "omega", "wear.cam1", "energy.heat_cam2")])
-    assert runs[0] == runs[1]
 
 
 # ---- locks and refusals ----

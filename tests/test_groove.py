@@ -120,7 +120,7 @@ class Transmission(Structure):
     ]
 
 
-FILES = ["geometry/groove_csv", "geometry/transmission_build"]
+FILES = ["geometry/groove_table", "geometry/transmission_build"]
 STRUCTURES = [
     CamParams,
     StopParams,
@@ -489,7 +489,7 @@ def comma_locale():
         if locale.localeconv()["decimal_point"] == ",":
             return before
     locale.setlocale(locale.LC_ALL, before)
-    pytest.skip("no locale with a decimal comma is installed")
+    pytest.skip("no locale with a decimal comma is installed (Debian: locales-all)")
 
 
 def test_table_ignores_the_locale(library, grooves, tmp_path):

@@ -1,8 +1,6 @@
 """dualcam.gym: tasks as environments. The oracles are gymnasium's own checker and vector environment, the
 FMU's ledger of energy, and the closed loop of dualcam.systems with one handle and Python's floats."""
 
-import csv
-import re
 import subprocess
 import sys
 import warnings
@@ -11,7 +9,6 @@ from dataclasses import replace
 import gymnasium
 import numpy as np
 import pytest
-from driver import ROOT
 from gymnasium.utils.env_checker import check_env
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
@@ -401,19 +398,6 @@ def test_a_failed_instance_ends_all_episodes(monkeypatch):
             batch.step(np.zeros(2))
         batch.reset(numbers(2, batch.task))
         batch.step(np.zeros(2))
-
-
-def test_speed_on_the_page_is_the_measured_one():
-    """The table of the page is that of `./build.sh run gym`."""
-    with (ROOT / "benchmarks/results/gym.csv").open(newline="", encoding="utf-8") as file:
-        measured = list(csv.DictReader(file))
-    page = (ROOT / "docs/use-gymnasium.md").read_text(encoding="utf-8")
-    shown = re.findall(r"^\| (\w+) \| ([\d,]+) \| .* \| ([\d,.]+) \| ([\d,]+) \|$", page, re.MULTILINE)
-    assert len(shown) == len(measured)
-    for (task, instances, microseconds, rate), row in zip(shown, measured, strict=True):
-        assert f"{task}, {instances.replace(',', '')}" == row["what"]
-        assert float(microseconds.replace(",", "")) == pytest.approx(float(row["us"]), abs=0.051)
-        assert float(rate.replace(",", "")) == pytest.approx(1e6 / float(row["us"]), rel=1e-4, abs=0.5)
 
 
 def test_all_names_are_public():

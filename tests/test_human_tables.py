@@ -272,6 +272,7 @@ def test_a_friction_table_of_a_spreadsheet_works_in_a_design(file, tmp_path):
 RUNS = {
     "commas": "cam1.radius,contacts\n0.02,1\n0.03,2\n",
     "semicolons": "cam1.radius;contacts\n0,02;1\n0,03;2\n",
+    "as spreadsheets write it": "\ufeffcam1.radius, contacts\r\n0.02, 1\r\n\r\n0.03, 2\r\n",
     "sep= and comments": "sep=;\n# runs\ncam1.radius;contacts\n0,02;1\n# second\n0,03;2\n",
     "numpy.savetxt": "# cam1.radius contacts\n0.02 1\n0.03 2\n",
     "preamble": "designs of March\ncam1.radius\tcontacts\n0,02\t1\n0,03\t2\n",
@@ -307,6 +308,9 @@ def test_units_of_runs(file, tmp_path, text):
         ("cam1.radius,contacts\n0.02,1\nlarge,2\n", r"line 3, column 1 \(cam1.radius\): 'large'"),
         ("cam1.radius,contacts\n0.02,1,5\n", "line 2, '0.02,1,5': 3 values"),
         ("cam1.radius,cam1.radius\n1,2\n", "two columns cam1.radius"),
+        ("cam1.radius\n", "0 runs"),
+        ("cam1.radius\n0.02\nnan\n", r"line 3, column 1 \(cam1.radius\): 'nan'.*finite"),
+        ("cam1.radius,cam2.radius\n0.02\n", r"line 2, column 2 \(cam2.radius\): no value"),
         ("", "is empty"),
         ("1,2\n", "no header"),
     ],

@@ -64,7 +64,7 @@ def test_sanitizers_find_nothing(sanitized, live, model):
 
 
 @pytest.mark.long
-@pytest.mark.skipif(shutil.which("valgrind") is None, reason="valgrind is not installed")
+@pytest.mark.skipif(shutil.which("valgrind") is None, reason="valgrind is not installed (Debian: valgrind)")
 def test_valgrind_finds_nothing(plain, live, model):
     live(model.identifier, VALGRIND)
 

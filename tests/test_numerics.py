@@ -9,7 +9,7 @@ import pytest
 from driver import Structure
 
 DEGREE, WIDTH = 8, 1e-15  # highest degree; to which a zero is found
-UNKNOWNS, RATES, SIZES = 7, 6, 4
+UNKNOWNS, RATES, SIZES = 7, 8, 4
 
 
 class Bernstein(Structure):

@@ -35,7 +35,6 @@ from dualcam.study.optimisation.genetic import hypervolume
 from dualcam.study.optimisation.optimum import unbeaten
 from dualcam.study.optimisation.record import BATCHES, Record
 from dualcam.study.optimisation.run import facts
-from dualcam.study.reading import schema
 from dualcam.study.sampling.formula import formula
 from dualcam.systems.machines import elbow, knee
 
@@ -652,30 +651,6 @@ def test_what_does_not_influence_the_goal_is_named_and_holds_nothing_back():
     assert found.idle_words() == [words]
 
 
-def test_the_page_names_every_key():
-    shown = set(re.findall(r"^\| `([\w.]+)` \|", (ROOT / "docs/use-optimise.md").read_text(), re.MULTILINE))
-    keys = set(schema.OPTIMISE.model_fields)
-    keys |= {f"constraints.NAME.{key}" for key in schema.GOAL_LIMITS.model_fields}
-    assert keys | {f"tolerances.NAME.{key}" for key in schema.TOLERANCE.model_fields} <= shown
-
-
-def test_all_mistakes_of_a_file_at_once(tmp_path):
-    path = tmp_path / "wrong.toml"
-    text = PLAN.replace('"20 deg"', '"80 deg"').replace("from = 0.5", "form = 0.5")
-    path.write_text(
-        text.replace('"slsqp"', '"slspq"\nbudgets = 1').replace("torque_release", "torque_releas")
-    )
-    with refused(
-        "5 mistakes",
-        "plan: cam1.lead_angle: from 1.39626 to 1.22173",
-        "optimise has budgets: did you mean budget",
-        "optimise: constraint efficiency has form: did you mean from",
-        "optimise: method = 'slspq'",
-        "no variable 'torque_releas'",
-    ):
-        read_optimisation(path)
-
-
 def test_two_workers_find_the_same_by_the_command_line(tmp_path):
     path = tmp_path / "torque.toml"
     path.write_text(PLAN)
@@ -706,15 +681,6 @@ def test_the_best_design_of_a_scenario_with_formulas(tmp_path, shape):
         assert best.scenario.stop == 2.0 * best.scenario.inputs["theta"].time[1]
 
 
-def test_a_plan_with_mistakes(tmp_path, capsys):
-    path = tmp_path / "wrong.toml"
-    path.write_text(PLAN.replace("from = 0.5", "form = 0.5"))
-    assert main(["study", str(path), "--out", str(tmp_path / "out")]) == 1
-    assert "optimise: constraint efficiency has form: did you mean from" in " ".join(
-        capsys.readouterr().err.split()
-    )
-
-
 def test_a_plan_whose_constraints_no_design_keeps(tmp_path, capsys):
     path = tmp_path / "far.toml"
     path.write_text(PLAN.replace("from = 0.5", "from = 0.9"))
@@ -733,25 +699,6 @@ def case_study():
             (row["system"], row["design"], row["quantity"]): float(row["value"])
             for row in csv.DictReader(file)
         }
-
-
-def test_numbers_of_the_page_are_those_of_the_script():
-    found, page = case_study(), (ROOT / "docs/use-optimise.md").read_text(encoding="utf-8")
-    lines = {
-        "first subject": "heat, first subject",
-        "first subject, 95 % of the parts": "heat of 95 % of the parts, first subject",
-        "second subject, not used in the search": "heat, second subject",
-    }
-    for words, quantity in lines.items():
-        values = (found["knee", design, quantity] for design in ("hand-made", "optimum", "robust optimum"))
-        assert f"| {words} | {' | '.join(f'{value:.2f} J' for value in values)} |" in page
-    for words, quantity in {
-        "1.5 kg": "heat_1.5kg",
-        "without payload": "heat_0kg",
-        "3 kg": "heat_3kg",
-    }.items():
-        values = (found["elbow", design, quantity] for design in ("hand-made", "optimum"))
-        assert f"| {words} | {' | '.join(f'{value:.2f} J' for value in values)} |" in page
 
 
 @pytest.mark.parametrize("design", ["hand-made", "optimum", "robust optimum"])

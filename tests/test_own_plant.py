@@ -1,15 +1,13 @@
 """dualcam.coupling: bounds of stability in closed form, the warning where the loop of the FMU itself
 diverges, and Newton's answer against the whole system, in one FMU and by SciPy."""
 
-import csv
 import itertools
 import math
-import re
 import warnings
 
 import numpy as np
 import pytest
-from driver import ROOT, models
+from driver import models
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
@@ -520,20 +518,6 @@ def test_benchmark_writes_what_it_measures(tmp_path, fmu):
     facts = {name: "x" for name in ("command", "commit", "date", "machine", "versions")}
     own_plant.picture(exact, runs, facts, tmp_path / "own_plant.png")
     assert (tmp_path / "own_plant.png").stat().st_size > 10_000
-
-
-def test_table_of_the_page():
-    """Is that of the results: errors by variant and step, bold where there was a warning."""
-    with (ROOT / "benchmarks" / "results" / "own_plant.csv").open(newline="") as file:
-        rows = list(csv.DictReader(file))
-    text = (ROOT / "docs" / "couple-own-plant.md").read_text(encoding="utf-8")
-    shown = re.findall(r"^\| ([a-h]) \| (.*?) \| (.*?) \| (.*) \|$", text, re.MULTILINE)
-    assert len(shown) == len(own_plant.VARIANTS)
-    for name, rotor, coupling, cells in shown:
-        mine = [row for row in rows if row["variant"] == name]
-        assert {(row["rotor"], row["coupling"]) for row in mine} == {(rotor.replace("`", ""), coupling)}
-        errors = [(row["theta max [rad]"], row["warned"]) for row in mine]
-        assert cells.split(" | ") == [f"**{e}**" if warned == "yes" else e for e, warned in errors]
 
 
 # ---- refusals ----

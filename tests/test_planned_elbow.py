@@ -172,4 +172,4 @@ def test_cvodes_of_casadi_follows_a_slip():
 
 
 def test_the_page_shows_what_the_example_prints(results):
-    assert example.report(results) in (ROOT / "docs/use-casadi.md").read_text(encoding="utf-8")
+    assert example.report(results) in (ROOT / "docs/use-python-control.md").read_text(encoding="utf-8")

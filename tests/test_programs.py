@@ -61,6 +61,41 @@ def test_the_first_command_that_fails_ends_a_program():
     assert programs.run(failing, []) == 3
 
 
+def test_refresh_goes_on_after_a_failure_and_lists_it_at_the_end(monkeypatch, capfd):
+    """Also where a program of the system is missing."""
+    known = {
+        name: Program(name, "?", 0, f"-c {code}", build=None) for name, code in (("a", "exit(3)"), ("c", "1"))
+    }
+    known["b"] = Program("b", "?", 0, "-c 1", build=None, tools=("Chromium",))
+    monkeypatch.setattr(programs, "PROGRAMS", known)
+    monkeypatch.setattr(programs.shutil, "which", lambda name: None)
+    assert programs.refresh([("a", "", 0.1), ("b", "", 0.1), ("c", "", 0.1)]) == 1
+    said = capfd.readouterr().out
+    assert "[2/3] b: FAILED" in said and "[3/3] c: done" in said and "install package chromium" in said
+    assert said.rstrip().endswith("These failed:\n  a: exit code 3\n  b: exit code 1")
+    assert programs.refresh([("c", "", 0.1)]) == 0
+
+
+def with_their_own(extras):
+    """These extras, and those that they name."""
+    named = {
+        name for extra in extras for pin in EXTRAS[extra] for name in re.findall(r"dualcam\[(.*)\]", pin)
+    }
+    more = {extra for names in named for extra in names.split(",")}
+    return {*extras, *(with_their_own(more) if more else ())}
+
+
+def test_refresh_runs_known_programs_in_less_than_an_hour():
+    """Cheap ones first, the pages last, with the extras of all."""
+    names = [name for name, *_ in programs.REFRESH]
+    minutes = [step[2] for step in programs.REFRESH]
+    every = programs.REFRESH + programs.LONG_REFRESH
+    assert sum(minutes) <= PROGRAMS["refresh"].minutes < 60
+    assert minutes[:-1] == sorted(minutes[:-1]) and names[-1] == "figures"
+    needed = {extra for name, *_ in every for extra in PROGRAMS[name].extras.split(",")}
+    assert needed <= with_their_own(PROGRAMS["refresh"].extras.split(","))
+
+
 def test_an_unknown_command_of_build_sh_shows_the_usage():
     done = run("tets")
     assert done.returncode == 2 and "unknown command: tets" in done.stderr and "usage:" in done.stderr

@@ -526,15 +526,6 @@ def test_the_story_is_compared():
     assert [row.wrong for row in ssp_run.compare("x", late, told)] == [True, False, False, False, False]
 
 
-def test_the_page_lists_every_run():
-    lines = (ROOT / "docs/ssp.md").read_text().split("\n")
-    for name in NAMES:
-        for master in ssp_run.MASTERS:
-            row = f"| {name} | {master.name} | {master.version} |"
-            assert any(re.sub(" +", " ", line).startswith(row) for line in lines)
-    assert not any("**" in line for line in lines if line.startswith("|"))
-
-
 def test_times_of_harmonics_and_variables_agree_with_the_c_code():
     text = (compilation.SOURCES / "reference.h").read_text()
     assert f"HARMONICS = {variables.HARMONICS}," in text

@@ -9,7 +9,6 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 import test_friction_law as friction_law
-import test_friction_load as friction_load
 from driver import models
 from mechanisms import ELLIPSES, FOLLOWER, FORCES, INERTIA, LIFT, MU, PRELOAD, STIFFNESS
 from scipy.integrate import solve_ivp
@@ -65,23 +64,19 @@ FLANKS = {  # the axial load changes its sign
     ),
     "ellipses, flanks change": Scene(BACK | HEAVY | ELLIPSES | FORCES, -5.0, 0.015, mode=3, size=1e-3),
     "under load, flanks change": Scene(
-        BACK | HEAVY | ELLIPSES | FORCES | friction_load.LOADED, -5.0, 0.015, mode=3, size=1e-3
+        BACK | HEAVY | ELLIPSES | FORCES | friction_law.LOADED, -5.0, 0.015, mode=3, size=1e-3
     ),
 }
-LAWS = (
-    {f"speed: {name}": scene for name, scene in friction_law.SCENES.items()}
-    | {f"load: {name}": scene for name, scene in friction_load.SCENES.items()}
-    | {
-        "speed: bounces": Scene(
-            FAST | ELLIPSES | FORCES | FOLLOWER | friction_law.STRIBECK | {"stop.restitution": 0.8},
-            8.0,
-            0.01,
-            mode=3,
-            events=1,
-            size=1e-3,
-        )
-    }
-)
+LAWS = friction_law.SCENES | {
+    "speed: bounces": Scene(
+        FAST | ELLIPSES | FORCES | FOLLOWER | friction_law.STRIBECK | {"stop.restitution": 0.8},
+        8.0,
+        0.01,
+        mode=3,
+        events=1,
+        size=1e-3,
+    )
+}
 ALL = SCENES | FLANKS | LAWS
 
 

@@ -561,16 +561,13 @@ def test_a_scheduler_that_does_not_answer_is_told(tmp_path, monkeypatch):
     [
         (lambda: Plan("latin", DESIGN, runs=0), ["0 runs"]),
         (lambda: Plan("table", {"a": Vary()}, table=np.empty((0, 1))), ["0 runs"]),
-        (lambda: Plan("hexagon", DESIGN), ["hexagon", "latin"]),
         (lambda: Plan("grid", DESIGN), ["cam1.radius", "count"]),
         (lambda: Plan("grid", {}), ["vary"]),
-        (lambda: Plan("latin", {"a": Vary(2.0, 1.0)}, runs=3), ["a:", "below"]),
         (lambda: Plan("latin", {"a": Vary(-1.0, 1.0, log=True)}, runs=3), ["logarithmic"]),
         (lambda: Plan("indices", DESIGN, runs=100), ["power of 2"]),
         (lambda: Plan("latin", DESIGN, runs=4, same_as={"b": "c"}), ["the same as c"]),
         (lambda: Plan("table", {"a": Vary()}, table=[[math.nan]]), ["finite"]),
         (lambda: Scenario(0.0), ["stop"]),
-        (lambda: Scenario(1.0, {"tau": History([1.0, 0.0], [0.0, 1.0])}), ["tau", "increase"]),
         (lambda: Scenario(1.0, {"tau": History([1.0], [0.0, 1.0])}), ["tau", "2 values"]),
         (lambda: Scenario(1.0, {"omega": History(derivative_of="theta")}), ["theta"]),
         (lambda: closed(proportional, period=0.0), ["period"]),
@@ -584,20 +581,10 @@ def test_plans_and_scenarios_that_make_no_sense(wrong, mentions):
 @pytest.mark.parametrize(
     "wrong, mentions",
     [
-        (
-            lambda: study(Plan("latin", {"cam1.radios": Vary(0.1, 0.2)}, runs=4)),
-            ["cam1.radios", "cam1.radius"],
-        ),
-        (
-            lambda: study(Plan("latin", {"cam1.friction": Vary(-0.5, 0.2)}, runs=4)),
-            ["cam1.friction", "-0.5", "allows 0"],
-        ),
         (lambda: study(Plan("latin", {"contacts": Vary(1, 2)}, runs=4)), ["contacts", "whole"]),
         (lambda: study(Plan("latin", {"efficiency": Vary(0, 1)}, runs=4)), ["efficiency", "cannot be set"]),
-        (lambda: study(results=["thetta"]), ["thetta", "theta"]),
         (lambda: study(results=[]), ["result"]),
         (lambda: study(results=["theta", "theta"]), ["twice"]),
-        (lambda: study(results=["theta@0.5"]), ["theta@0.5", "0.4"]),
         (lambda: study(results=["cam1.table"]), ["cam1.table", "String"]),
         (lambda: study(parameters={"cam1.radius": 0.02}), ["cam1.radius", "fixed too"]),
         (lambda: study(parameters={"cam2.radius": -1.0}), ["cam2.radius", "-1"]),
@@ -695,10 +682,8 @@ def test_a_killed_command_leaves_no_processes_and_goes_on(tmp_path, signal_numbe
     "old, new, mentions",
     [
         ("runs = 64", "runs = 0", ["small.toml", "power of 2"]),
-        ("runs = 64", "run = 64", ["has run", "runs"]),
         ("stop = 0.1", "", ["lacks stop"]),
         ("stop = 0.1", 'stop = "soon"', ["small.toml"]),
-        ('of = ["efficiency"]', 'of = ["eficiency"]', ["eficiency", "column"]),
         ('kind = "map"', 'kind = "globe"', ["globe", "map"]),
         ("[plan]", "[plan", ["TOML"]),
         ("{fmu}", "nowhere.fmu", ["nowhere.fmu"]),
@@ -721,15 +706,3 @@ def test_the_examples_can_be_run(plan):
     plots.check(one)
     assert not runs_of(one, one.plan.rows(0, 2000)).messages
     assert json.dumps(one.facts())
-
-
-def test_a_table_from_a_file(tmp_path):
-    path = tmp_path / "designs.csv"
-    path.write_text("cam1.radius,contacts\n0.02,1\n0.03,2\n")
-    plan = Plan.from_csv(path)
-    assert plan.names == ["cam1.radius", "contacts"]
-    assert plan.rows(0, 2).tolist() == [[0.02, 1.0], [0.03, 2.0]]
-    assert not runs_of(study(plan)).messages
-    path.write_text("cam1.radius\nlarge\n")
-    with refused("designs.csv"):
-        Plan.from_csv(Path(path))

@@ -92,14 +92,15 @@ MISTAKES = [
     mistake("same", '"cam1.friction_peak" }}', '"cam1.frction_peak" }}', "cam1.frction_peak does not vary"),
     mistake("same", '{{ from = 1.0, to = 1.2 }}', '{{ from = 1.3, to = 1.2 }}', "_peak: from 1.3"),
     # formulas
-    mistake("derived", "/ (8 *", "/ (8 + *", "derived: spring.stiffness", "is no formula"),
+    mistake("derived", "/ (8 *", "/ (8 + *", "derived: spring.stiffness", "allowed are numbers"),
     mistake("derived", "'79 GPa'", "-'79 GPa'", "derived, is -", "100 %", needs=["wire", "weights"]),
     mistake("soft", 'soft = "spring.stiffness', 'soft = "spring.stifness', "constraints: soft", "stifness"),
     mistake("tau", '["peak", "peak"', '["peak", "paek"', "scenario: a formula uses paek", "mean peak?"),
     # the FMU's variables
     mistake("lead", '"40 deg"', '"40 mm"', "cam2.lead_angle: from = '40 mm'", "rad or a multiple"),
     mistake("lead", '"cam2.lead_angle"', '"cam2.lead_angel"', "cam2.lead_angel is no variable", "lead_angle"),
-    mistake("friction", '"cam2.friction" = {{ from = 0.1', '"cam2.friction" = {{ from = -0.1', "33.3 %"),
+    mistake("friction", '"cam2.friction" = {{ from = 0.1', '"cam2.friction" = {{ from = -0.1',
+            "33.3 %", "allows 0"),
     mistake("radius", '"cam2.radius" = "21 mm"', '"cam2.radios" = "21 mm"', "cam2.radios", "cam2.radius"),
     mistake("radius", '"cam2.radius" = "21 mm"', '"cam2.radius" = "21 s"', "cam2.radius = '21 s'", "length"),
     mistake("radius", '"cam2.radius" = "21 mm"', '"cam2.radius" = -0.02', "cam2.radius = -0.02", "allows"),
@@ -156,15 +157,6 @@ def assert_told_once_each(found, mistakes):
     assert not left, left
 
 
-def test_the_plan_without_a_mistake_is_sound(folder):
-    assert problems(folder, []) == []
-
-
-@pytest.mark.parametrize("one", MISTAKES, ids=lambda one: one.told[0])
-def test_one_mistake_gets_one_message(folder, one):
-    assert_told_once_each(problems(folder, [one]), [one])
-
-
 REFUSED = [  # tables and keys on which much depends
     ("[scenario]", "[scenarix]", "the file has scenarix: did you mean scenario?"),
     ("[scenario]\nstop", "[scenario]\nstopp", "scenario has stopp: did you mean stop"),
@@ -210,7 +202,7 @@ def chosen(*words):
 
 TEN = {
     "former stages mixed": chosen(
-        "seed", "nomal", "rank = 1.7", "is no formula", "40 mm", "cam2.radios", "F_est", "grove.csv",
+        "seed", "nomal", "rank = 1.7", "allowed are numbers", "40 mm", "cam2.radios", "F_est", "grove.csv",
         "theta@0.9", "comes after",
     ),
     "names with a slip": chosen(
@@ -245,12 +237,6 @@ def subsets(draw, mistakes):
     keys = draw(st.sets(st.sampled_from(sorted({each.key for each in mistakes})), min_size=2, max_size=12))
     found = [draw(st.sampled_from([each for each in mistakes if each.key == key])) for key in sorted(keys)]
     return [each for each in found if not each.needs & keys]
-
-
-@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
-@given(mistakes=subsets(MISTAKES))
-def test_any_mistakes_get_their_messages_and_no_others(folder, mistakes):
-    assert_told_once_each(problems(folder, mistakes), mistakes)
 
 
 # ---- optimisations ----
@@ -289,7 +275,8 @@ MISTAKES_OF_SEARCH = [
     mistake("choice", "[4e4, 5e4]", "[4e4, -1]", "spring.stiffness from -1 to 40000", "the FMU allows 0"),
     mistake("chance", '"normal"', '"nomal"', "distribution = 'nomal'", "did you mean normal"),
     mistake("slender", '"cam1.radius < 1"', '"cam1.radius <"', "constraints: slender", "is no formula"),
-    mistake("stop", "stop = 0.001", 'stop = "1 mm"', "stop = '1 mm'", "no unit of time", needs=["at"]),
+    mistake("stop", "stop = 0.001", 'stop = "1 mm"', "stop = '1 mm'", "no unit of time", "10 ms",
+            needs=["at"]),
     mistake("order", "[0.0, 0.001]", "[0.001, 0.0]", "times must increase: 0 s comes after 0.001 s"),
     mistake("at", "torque_load@0.0005", "torque_load@0.5", "torque_load@0.5", "from 0 to 0.001 s"),
     mistake("way", '"maximise"', '"maximize"', "'maximize': did you mean maximise"),
@@ -306,13 +293,29 @@ MISTAKES_OF_SEARCH = [
 ]  # fmt: skip
 
 
-def test_the_search_without_a_mistake_is_sound(folder):
-    assert problems(folder, [], SEARCH, read_optimisation) == []
+KINDS = {"plan": (SOUND, read_study, MISTAKES), "search": (SEARCH, read_optimisation, MISTAKES_OF_SEARCH)}
+EACH = [(kind, one) for kind, (_, _, mistakes) in KINDS.items() for one in mistakes]
 
 
-@pytest.mark.parametrize("one", MISTAKES_OF_SEARCH, ids=lambda one: one.told[0])
-def test_one_mistake_of_a_search_gets_one_message(folder, one):
-    assert_told_once_each(problems(folder, [one], SEARCH, read_optimisation), [one])
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_file_without_a_mistake_is_sound(folder, kind):
+    sound, read, _ = KINDS[kind]
+    assert problems(folder, [], sound, read) == []
+
+
+@pytest.mark.parametrize("kind, one", EACH, ids=[one.told[0] for _, one in EACH])
+def test_one_mistake_gets_one_message(folder, kind, one):
+    sound, read, _ = KINDS[kind]
+    assert_told_once_each(problems(folder, [one], sound, read), [one])
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(data=st.data())
+def test_any_mistakes_get_their_messages_and_no_others(folder, kind, data):
+    sound, read, mistakes = KINDS[kind]
+    chosen = data.draw(subsets(mistakes))
+    assert_told_once_each(problems(folder, chosen, sound, read), chosen)
 
 
 @pytest.mark.parametrize("first", [0, 10])
@@ -323,13 +326,6 @@ def test_ten_mistakes_of_a_search_get_ten_messages(folder, first):
     found = problems(folder, ten, SEARCH, read_optimisation)
     assert len(found) == 10
     assert_told_once_each(found, ten)
-
-
-@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
-@given(mistakes=subsets(MISTAKES_OF_SEARCH))
-def test_any_mistakes_of_a_search_get_their_messages(folder, mistakes):
-    found = problems(folder, mistakes, SEARCH, read_optimisation)
-    assert_told_once_each(found, mistakes)
 
 
 PAIR = [("one", SOUND, ("rank = 0.8", "rank = 1.7")), ("two", SEARCH, ("= 90", "= 100"))]

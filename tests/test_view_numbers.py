@@ -16,8 +16,8 @@ from dualcam.fmi.library import web_path
 
 STICK, LOADING, RELEASING, LOWER_STOP, UPPER_STOP = range(1, 6)  # the FMU's `mode`
 
-needs_node = pytest.mark.skipif(NODE is None, reason="node is not installed: the engine runs in it")
-needs_chromium = pytest.mark.skipif(CHROMIUM is None, reason="Chromium is not installed: the page runs in it")
+needs_node = pytest.mark.skipif(NODE is None, reason="node is not installed (Debian: nodejs)")
+needs_chromium = pytest.mark.skipif(CHROMIUM is None, reason="Chromium is not installed (Debian: chromium)")
 
 
 @pytest.fixture(scope="module")
@@ -55,7 +55,7 @@ def test_engine_in_node(name, on_fmu):
 
 @pytest.fixture(scope="module")
 def browser():
-    api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed: it drives Chromium")
+    api = pytest.importorskip("playwright.sync_api", reason="pip install playwright")
     options = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
     with api.sync_playwright() as playwright:
         chromium = playwright.chromium.launch(executable_path=CHROMIUM, args=options)

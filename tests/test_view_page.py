@@ -19,9 +19,9 @@ STICK, LOADING, RELEASING, LOWER_STOP, UPPER_STOP, WEDGED = range(1, 7)  # the F
 
 @pytest.fixture(scope="module")
 def browser():
-    api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed: it drives Chromium")
+    api = pytest.importorskip("playwright.sync_api", reason="pip install playwright")
     if CHROMIUM is None:
-        pytest.skip("Chromium is not installed: the page runs in it")
+        pytest.skip("Chromium is not installed (Debian: chromium)")
     options = ["--no-sandbox", "--disable-gpu", "--enable-unsafe-swiftshader"]
     with api.sync_playwright() as playwright:
         chromium = playwright.chromium.launch(executable_path=CHROMIUM, args=options)

@@ -95,7 +95,7 @@ bool step(double tau, double rate, double F_ext, double h, int64_t limit) {
     const Inputs before = held.inputs;
     held.inputs = (Inputs){.tau = {tau, rate}, .F_ext = {F_ext}};
     held.work_limit = limit;
-    if (mechanism_advance(&held, h, &fault)) return true;
+    if (mechanism_advance(&held, h, NULL, &fault)) return true;
     held.inputs = before;
     return false;
 }

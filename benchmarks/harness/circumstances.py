@@ -1,7 +1,8 @@
-"""Circumstances of a measurement: command, date, machine, versions and commit."""
+"""Circumstances of a measurement: command, date, machine, versions, commit and hash of the C core."""
 
 from __future__ import annotations
 
+import hashlib
 import platform
 import subprocess
 import sys
@@ -11,7 +12,7 @@ from pathlib import Path
 
 from benchmarks.harness.repository import ROOT
 
-FACTS = ("command", "date", "machine", "versions", "commit")
+FACTS = ("command", "date", "machine", "versions", "commit", "core")
 CHANGED = " with changes"
 # Results are written into these folders. A change in them does not change the measured program.
 WRITTEN = (":!benchmarks/results", ":!tests/verification/results", ":!docs")
@@ -57,6 +58,16 @@ def is_in_history(recorded: str, root: Path = ROOT) -> bool:
         return False
 
 
+def core_of(root: Path = ROOT) -> str:
+    """The hash of all C sources of a repository: results of another core do not hold for this one.
+
+    It needs no history, so it also judges in a shallow clone."""
+    core, found = root / "fmu_src", hashlib.sha256()
+    for path in sorted(path for path in core.rglob("*") if path.suffix in (".c", ".h", ".def")):
+        found.update(path.relative_to(core).as_posix().encode() + b"\0" + path.read_bytes())
+    return found.hexdigest()[:12]
+
+
 def version_of(package: str) -> str:
     try:
         return f"{package} {version(package)}"
@@ -75,4 +86,5 @@ def circumstances(command: str, *packages: str) -> dict[str, str]:
         "machine": f"{processor()}, {platform.machine()}, {' '.join(platform.libc_ver())}",
         "versions": ", ".join([*versions, *(version_of(package) for package in packages)]),
         "commit": commit(),
+        "core": core_of(),
     }

@@ -35,10 +35,10 @@ LOOP_LIMITS = {
     "event iterations": ("tolerances", "LOCATION_ITERATIONS"),
     "event nudges": ("tolerances", "LOCATION_EXTENSIONS"),
     "collocation iterations": ("tolerances", "RADAU_NEWTON_ITERATIONS"),
-    "quasi-static iterations": ("tolerances", "EDGE_ITERATIONS"),
+    "quasi-static iterations": ("tolerances", "BRACKET_ITERATIONS"),
     "collocation nodes": ("radau", "RADAU_MAX"),
     "bisections": ("tolerances", "BERNSTEIN_MAX_DEPTH"),
-    "closed-form root iterations": ("tolerances", "LINEAR_ROOT_ITERATIONS"),
+    "closed-form root iterations": ("tolerances", "ROOT_MAX_ITERATIONS"),
     "closed-form arcs": ("linear_search", "INTERVALS"),
 }
 

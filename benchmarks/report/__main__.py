@@ -8,6 +8,7 @@ from pathlib import Path
 from benchmarks import report
 from benchmarks.harness.circumstances import is_in_history
 from benchmarks.harness.markdown import read
+from benchmarks.harness.old_figures import with_line
 from benchmarks.harness.repository import DOCS, RESULTS
 from benchmarks.report.page import FILES, page
 
@@ -17,7 +18,7 @@ def main() -> None:
     parser.add_argument("--results", type=Path, default=RESULTS)
     parser.add_argument("--page", type=Path, default=DOCS / "performance.md")
     arguments = parser.parse_args()
-    arguments.page.write_text(page(arguments.results.resolve(), arguments.page.resolve().parent))
+    arguments.page.write_text(with_line(page(arguments.results.resolve(), arguments.page.resolve().parent)))
     print(f"written: {arguments.page}")
     for name in FILES:
         commit = read(arguments.results, name)[0]["commit"]

@@ -73,7 +73,7 @@ def circumstances(folder: Path) -> str:
     cells = []
     for name in (*FILES, *measured(folder)):
         row = read(folder, name)[0]
-        cells.append([f"`{name}.csv`", *(row[fact] for fact in FACTS)])
+        cells.append([f"`benchmarks/results/{name}.csv`", *(row[fact] for fact in FACTS)])
     return "## Circumstances\n\n" + table(["file", *FACTS], cells)
 
 

@@ -38,9 +38,10 @@ ROOMS: dict[str, tuple[Place, str, str]] = {
     "collocation": ((3.6, 5.4, 3.1, 1.3), MOTION, "slip by integration,\nand its events"),
     "inverse": ((7.0, 5.4, 2.8, 2.65), MOTION, "inverse dynamics:\nmotion in,\ntorque out"),
     "forward": ((0.2, 7.1, 6.5, 0.95), MOTION, "forward dynamics: torque in, motion out"),
-    "sensitivity": ((0.2, 8.45, 9.6, 0.95), MOTION, "derivatives of outputs and of a whole step"),
-    "fmi": ((0.2, 9.8, 9.6, 0.95), BOUNDARY, "the calls of FMI 2.0 and FMI 3.0; no physics"),
-    "web": ((0.2, 11.15, 9.6, 0.95), BOUNDARY, "messages for a page in a browser"),
+    "outputs": ((0.2, 8.45, 6.5, 0.95), MOTION, "what is read at one instant"),
+    "sensitivity": ((0.2, 9.8, 9.6, 0.95), MOTION, "derivatives of outputs and of a whole step"),
+    "fmi": ((0.2, 11.15, 9.6, 0.95), BOUNDARY, "the calls of FMI 2.0 and FMI 3.0; no physics"),
+    "web": ((0.2, 12.5, 9.6, 0.95), BOUNDARY, "messages for a page in a browser"),
 }
 PYTHON_ROOMS: dict[str, tuple[Place, str, str]] = {
     "common": ((0.1, 0, 9.8, 0.8), ARITHMETIC, "arrays, paths, units, tables of people, HTML"),

@@ -17,7 +17,7 @@ import check_site
 DOCS = Path(__file__).resolve().parent.parent
 SITE = DOCS.parent / "build" / "docs"
 # Extensions write them beside the pages. A page of a name that is gone would stay.
-WRITTEN = (DOCS / "api" / "generated", DOCS / "gallery")
+WRITTEN = (DOCS / "api" / "generated", DOCS / "gallery", DOCS / "site")
 
 
 def sphinx(builder: str, target: Path) -> int:

@@ -1,7 +1,8 @@
 """The parts of the documentation site that no extension of Sphinx offers.
 
-Pages from outside of docs/ (README.md, CONTRIBUTING.md, CHANGELOG.md) with their links, blocks of docstrings,
-the living page, pictures that open in full size, and links from source code back to the API.
+Sections from the list of pages (docs/README.md), pages from outside of docs/ (README.md, CONTRIBUTING.md,
+CHANGELOG.md) with their links, addresses of pages that have moved, blocks of docstrings, the living page,
+pictures that open in full size, and links from source code back to the API.
 """
 
 from __future__ import annotations
@@ -20,14 +21,32 @@ from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
 import dualcam
+from benchmarks.harness.old_figures import with_line
 
 DOCS = Path(__file__).resolve().parent.parent
 ROOT = DOCS.parent
-# The pages of the site that show a file of the repository's root.
+# The pages of the site that show a file of the repository's root, or what is made of a file.
 PAGE_OF = {
+    DOCS / "gallery_scripts/GALLERY_HEADER.rst": DOCS / "gallery/index.rst",
     ROOT / "README.md": DOCS / "site/overview.md",
     ROOT / "CONTRIBUTING.md": DOCS / "site/contributing.md",
     ROOT / "CHANGELOG.md": DOCS / "site/changelog.md",
+}
+LIST = DOCS / "README.md"
+SECTION = re.compile(r"^## ([^\n]*)\n(.*?)(?=^##|\Z)", re.MULTILINE | re.DOTALL)
+ROW = re.compile(r"^\|[^|]*\| \[[^\]]*\]\(([^)#]+)", re.MULTILINE)
+# Addresses of earlier pages, without .html. Somebody may have kept them.
+MOVED = {
+    "accuracy": "trust",
+    "reliability": "trust",
+    "stress": "trust-tables",
+    "elementary-functions": "trust-tables",
+    "test-strength": "development",
+    "use-study-clusters": "use-study-results",
+    "ssp": "use-ssp",
+    "use-casadi": "use-python-control",
+    "cite": "README",
+    "use-fmi3": "use-co-simulation",
 }
 LIVING_PAGE = "_static/view.html"
 SHOWN = re.compile(r"<!-- text of (\S+) -->\n")
@@ -39,8 +58,41 @@ PICTURE = re.compile(r'<p>(<img [^>]*src="([^"]+)"[^>]*>)')
 IMAGE = re.compile(r'<img src="([^"]+)" alt="([^"]*)"[^>]*>')
 
 
+def sections(text: str) -> dict[str, str]:
+    """The pages of docs/site that the list of pages makes: one for each heading, with its rows."""
+    pages = {}
+    for title, rows in SECTION.findall(text):
+        targets = [site_target(DOCS / path, DOCS / "site/page.md") for path in ROW.findall(rows)]
+        listed = "\n".join(target.removesuffix(".md").removesuffix(".rst") for target in targets)
+        shown = LINK.sub(r"](../\1\2)", rows).strip()
+        pages[title.lower()] = f"# {title}\n\n{shown}\n\n```{{toctree}}\n:hidden:\n\n{listed}\n```\n"
+    return pages
+
+
+def write_sections(_: Sphinx) -> None:
+    """docs/site: the sections, and a page for each file of the root."""
+    pages = {DOCS / f"site/{name}.md": text for name, text in sections(LIST.read_text("utf-8")).items()}
+    for file, page in PAGE_OF.items():
+        if page.parent == DOCS / "site":
+            pages[page] = f"<!-- text of ../../{file.name} -->\n"
+    (DOCS / "site").mkdir(exist_ok=True)
+    for page, text in pages.items():
+        page.write_text(text, encoding="utf-8")
+
+
+def write_moved(app: Sphinx, failure: Exception | None) -> None:
+    """A page at each earlier address that leads to the new one."""
+    if failure is None and app.builder.format == "html":
+        for old, new in MOVED.items():
+            text = f"""<!DOCTYPE html><meta charset="utf-8"><title>Moved</title>
+<meta http-equiv="refresh" content="0; url={new}.html"><a href="{new}.html">This page has moved.</a>
+"""
+            (Path(app.outdir) / f"{old}.html").write_text(text, encoding="utf-8")
+
+
 def show_file(app: Sphinx, name: str, source: list[str]) -> None:
-    """Put the text of the file in place of the comment that names the file, and mend the links."""
+    """Put the text of the file in place of the comment that names the file, mend the links, and say where
+    figures are older than the core."""
     page = Path(app.env.doc2path(name))
     base = page.parent
     text = source[0]
@@ -51,6 +103,7 @@ def show_file(app: Sphinx, name: str, source: list[str]) -> None:
         text = text.replace(shown[0], IMAGE.sub(r"![\2](\1)", file.read_text(encoding="utf-8")))
         base = file.parent
     text = LINK.sub(lambda link: f"]({site_target(base / link[1], page)}{link[2]})", text)
+    text = with_line(text)
     # In place of a file's name: the title of the page; to a section of a page: the name without its ending.
     source[0] = FILE_AS_TEXT.sub(lambda link: f"[{link[1]}](" if link[2] else "[](", text)
 
@@ -160,7 +213,9 @@ def back_link(link: re.Match[str], objects: Mapping[str, Any]) -> str:
 def setup(app: Sphinx) -> dict[str, Any]:
     """Called by Sphinx."""
     app.add_directive("living-page", LivingPage)
+    app.connect("builder-inited", write_sections)
     app.connect("build-finished", write_living_page)
+    app.connect("build-finished", write_moved)
     app.connect("source-read", show_file)
     app.connect("autodoc-process-docstring", mark_blocks, priority=400)  # before numpydoc
     app.connect("autodoc-skip-member", leave_out)

@@ -52,7 +52,7 @@ static double find_root(const LinearIndicator *indicator, RootOrder order, const
     const double f_left = derivatives_of(indicator, a, order).f;
     const double decayed = order == OF_VALUE ? 0.0 : LINEAR_DECAYED_RATE * fabs(f_left);
     double left = a->t, t = first_guess(indicator, order, a, right), width = right - left;
-    for (int n = 0; n < LINEAR_ROOT_ITERATIONS; n++) {
+    for (int n = 0; n < ROOT_MAX_ITERATIONS; n++) {
         const IndicatorSample k = linear_indicator_at(indicator, t);
         const Derivatives f = derivatives_of(indicator, &k, order);
         if (f.f == 0.0 && order == OF_VALUE) return t;
@@ -245,4 +245,103 @@ double linear_search_peak(const LinearIndicator *indicator, double t_end, double
             peak, peak_in_intervals(indicator, from, from + osc->half_period, t_end, INTERVALS, max_of(peak, known)));
     }
     return peak;
+}
+
+/* ---- peaks of a segment ---- */
+
+static void search_speed_peak(const LinearSegment *s, const SegmentEnds *ends, Peaks *peak) {
+    Kernel latest;
+    const LinearIndicator speed = {s, QUANTITY_SPEED, 1.0, &latest};
+    peak_raise(&peak->omega, linear_search_peak(&speed, ends->motion.t, peak->omega));
+}
+
+static void search_reaction_peak(const LinearSegment *s, const SegmentEnds *ends, int i, Peaks *peak) {
+    Kernel latest;
+    const LinearIndicator contact = {s, linear_quantity_of_contact(i), 1.0, &latest};
+    const double unit = s->linear->reaction[i];
+    peak_raise(&peak->reaction[i], unit * linear_search_peak(&contact, ends->motion.t, peak->reaction[i] / unit));
+}
+
+/* Searches for the peaks of the quantities that may be largest inside the segment. */
+static void raise_inner_peaks(const LinearSegment *s, const SegmentEnds *ends, Peaks *peak) {
+    if (linear_segment_is_steady(s, ends)) return;
+    if (!linear_segment_speed_is_monotone(s, ends)) search_speed_peak(s, ends, peak);
+    for (int i = 0; i < 2; i++)
+        if (!linear_segment_contact_is_monotone(s, ends, i)) search_reaction_peak(s, ends, i, peak);
+}
+
+static inline void raise_reaction_at_ends(const LinearSegment *s, const SegmentEnds *ends, int i, Peaks *peak) {
+    peak_raise(&peak->reaction[i], s->linear->reaction[i] * ends->start.value[i]);
+    peak_raise(&peak->reaction[i], s->linear->reaction[i] * ends->end.value[i]);
+}
+
+/* The two contacts are written out: compilers do not unroll a loop over them here. */
+void linear_segment_peaks(const LinearSegment *s, const SegmentEnds *ends, Peaks *peak) {
+    peak_raise(&peak->omega, s->start.omega);
+    peak_raise(&peak->omega, ends->motion.omega);
+    raise_reaction_at_ends(s, ends, 0, peak);
+    raise_reaction_at_ends(s, ends, 1, peak);
+    if (!ends->monotone) raise_inner_peaks(s, ends, peak);
+}
+
+/* ---- events ---- */
+
+/* Without a drive omega itself is homogeneous. */
+LinearEvent linear_event_horizon(const LinearSegment *s, double horizon) {
+    const SlipStart *l = &s->start;
+    const double rest = l->drive == 0.0 ? oscillator_zero(&s->linear->oscillator, l->omega, l->alpha) : INFINITY;
+    return rest <= horizon ? (LinearEvent){EVENT_REST, rest, 0} : (LinearEvent){EVENT_NONE, horizon, 0};
+}
+
+/* The earliest event found so far, and what describes the segment up to it. */
+typedef struct {
+    const LinearSegment *segment;
+    LinearEvent event;
+    Kernel *kernel;
+    SegmentEnds *ends;
+    Kernel latest; /* of the latest sample of an indicator */
+} EventSearch;
+
+/* Ends the segment with the event, unless its time is infinite: there is no such event. */
+static void end_segment_at(EventSearch *search, LinearEvent event) {
+    if (!(event.t < INFINITY)) return;
+    search->event = event;
+    if (search->latest.t == event.t) *search->kernel = search->latest;
+    else oscillator_kernel(&search->segment->linear->oscillator, event.t, search->kernel);
+    linear_segment_ends(search->segment, search->kernel, search->ends);
+}
+
+static void search_crossing(EventSearch *search, EventKind kind, LinearQuantity quantity, double sign) {
+    const LinearIndicator indicator = {search->segment, quantity, sign, &search->latest};
+    const double t = linear_search_crossing(&indicator, search->event.t);
+    const int contact = quantity == QUANTITY_CONTACT_2 ? 1 : 0;
+    if (t < search->event.t || search->event.kind == EVENT_NONE)
+        end_segment_at(search, (LinearEvent){kind, t, contact});
+}
+
+/* Time at which theta reaches the stop. theta is monotone up to the present event, where the stop is reached or
+ * passed. */
+static double time_to_stop(EventSearch *search) {
+    const LinearSegment *s = search->segment;
+    if (s->to_stop <= 0.0) return 0.0;
+    const LinearIndicator to_stop = {s, QUANTITY_TO_STOP, s->linear->direction, &search->latest};
+    return linear_search_zero(&to_stop, search->event.t);
+}
+
+LinearEvent linear_event_first(const LinearSegment *s, LinearEvent last, Kernel *kernel, SegmentEnds *ends) {
+    EventSearch search = {.segment = s, .kernel = kernel, .ends = ends, .event = last};
+    search.latest.t = NAN;
+    const double direction = s->linear->direction;
+    if (s->start.drive != 0.0 && !linear_segment_keeps_speed(s, ends))
+        search_crossing(&search, EVENT_REST, QUANTITY_SPEED, direction);
+    /* The segment now ends at the first velocity zero at the latest, so theta is monotone in it. */
+    if (direction * ends->motion.dtheta >= s->to_stop)
+        end_segment_at(&search, (LinearEvent){EVENT_STOP, time_to_stop(&search), 0});
+    for (int i = 0; s->flanks && i < 2; i++) {
+        if (linear_segment_has_band_edge(s, i))
+            search_crossing(&search, EVENT_REST, linear_quantity_of_edge(i), direction);
+        if (!linear_segment_keeps_flank(s, ends, i))
+            search_crossing(&search, EVENT_FLANK, linear_quantity_of_contact(i), s->linear->flank[i]);
+    }
+    return search.event;
 }

@@ -1,4 +1,5 @@
-/* Zeros and peaks of an indicator of the closed form, none of them missed.
+/* Zeros and peaks of an indicator of the closed form, none of them missed; and the event that ends a segment of slip, the
+ * first velocity zero, end stop or flank change.
  *
  * The zeros of the indicator's second derivative are known (oscillator_zero). Between two of them the rate is
  * monotone, so the rate has at most one zero there. The zero of the rate divides the interval into two intervals on
@@ -12,6 +13,9 @@
 #define DUALCAM_LINEAR_SEARCH_H
 
 #include "closed_form/linear_indicator.h"
+#include "closed_form/linear_segment.h"
+#include "model/mode.h"
+#include "numerics/tolerances.h"
 
 /* Time of the first downward crossing of zero in [0, t_end], s, or infinity. */
 double linear_search_crossing(const LinearIndicator *indicator, double t_end);
@@ -22,5 +26,21 @@ double linear_search_zero(const LinearIndicator *indicator, double t_end);
 /* Largest |indicator| at an extremum in [0, t_end], where it exceeds `known`. Values at the ends of the segment may be
  * included. */
 double linear_search_peak(const LinearIndicator *indicator, double t_end, double known);
+
+/* Raises the peaks of |omega| and |R_i| to the largest values in a segment of the length ends->motion.t. */
+void linear_segment_peaks(const LinearSegment *segment, const SegmentEnds *ends, Peaks *peak);
+
+typedef struct {
+    EventKind kind;
+    double t;    /* s since the start of the segment */
+    int contact; /* of EVENT_FLANK: the contact whose reaction passes zero */
+} LinearEvent;
+
+/* The latest end of the segment: velocity zero, if its time follows without a search, else EVENT_NONE at `horizon`. */
+LinearEvent linear_event_horizon(const LinearSegment *segment, double horizon);
+
+/* The first event up to `last`, or `last` itself. On entry `kernel` and `ends` describe the segment up to last.t; on
+ * return they describe the segment up to the event that is returned. */
+LinearEvent linear_event_first(const LinearSegment *segment, LinearEvent last, Kernel *kernel, SegmentEnds *ends);
 
 #endif

@@ -2,7 +2,7 @@
  *
  * The quiet test answers whether no event can lie in the segment. It compares the values at the two ends only, so
  * that a step without an event needs no search. The test is sufficient, not necessary: where it fails,
- * linear_event.h searches.
+ * linear_search.h searches.
  *
  * Why the values at the ends suffice: over less than half a period of the oscillator a solution of the homogeneous
  * equation (oscillator.h) has at most one zero. omega and x_i are combinations of 1, t, theta, omega and alpha, so

@@ -21,8 +21,8 @@
 #include "contact/contact.h"
 #include "model/elements.h"
 #include "model/ledger.h"
+#include "model/mode.h"
 #include "model/params.h"
-#include "model/regime.h"
 
 /* A slip mode and its constant coefficients. */
 typedef struct {
@@ -58,6 +58,16 @@ typedef struct {
     double omega, alpha, jerk; /* rad/s, rad/s^2, rad/s^3 at t */
     bool settled;              /* omega has its own rounding, not that of omega at the start */
 } LinearMotion;
+
+/* x_i of a contact and its first and second time derivatives. */
+typedef struct {
+    double value, rate, second;
+} ContactLoad;
+
+/* x_i and its first time derivative, of both contacts. */
+typedef struct {
+    double value[2], rate[2];
+} ContactLoadPair;
 
 /* The coefficients at this geometry; direction: +1 loading, -1 releasing. */
 void linear_slip_build(LinearSlipMode *linear, const Params *params, const Geometry *g, int direction,

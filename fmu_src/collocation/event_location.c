@@ -130,17 +130,10 @@ static bool turns_at_stop(const SlipMode *slip, const StopAhead *stop, const Rad
     const double braking = -slip->direction * end->alpha - doubt;
     if (!(braking > 0.0)) return false;
     const double beyond = end->omega * end->omega / (2.0 * braking); /* rad */
-    if (beyond <= LOCATION_STOP_ROUNDING * largest_angle(p)) return true;
+    if (beyond <= ANGLE_ROUNDING * largest_angle(p)) return true;
     const double kinetic = kinetic_energy_of(&p->inertia, end->dz_dtheta, end->dpsi_dtheta[0], end->omega);
     const double gained = stop->energy_gained + step->energy_gained;
     return beyond <= angle_tolerance(p) && kinetic <= LOCATION_STOP_GAIN * gained;
-}
-
-/* A step with a turn at the stop ends beyond the stop no farther than that. In a slow motion the speed is as small, and
- * the acceleration is rounding: such a motion goes on beyond the stop. */
-static bool ends_at_stop(const SegmentLimits *limits, const RadauStep *step) {
-    const Params *p = limits->slip->params;
-    return step_indicator_at_end(limits, STEP_TO_STOP, step) >= -angle_tolerance(p);
 }
 
 /* Which reactions pass zero at the end of the step? Without a moment W both are in proportion to the axial load, and pass zero
@@ -193,8 +186,7 @@ static bool end_on_first_event(const SegmentLimits *limits, const StopAhead *sto
         if (result == CROSSING_REACHED && must_step_past(limits, first)) step_past_zero(limits, first, step);
         *solved = step->h;
         if (result == CROSSING_BLOCKED) return false;
-        const bool turns =
-            first == STEP_TO_STOP && turns_at_stop(limits->slip, stop, step) && ends_at_stop(limits, &before);
+        const bool turns = first == STEP_TO_STOP && turns_at_stop(limits->slip, stop, step);
         if (result == CROSSING_REACHED && !turns) {
             location->kind = step_indicator_event(first);
             location->crossed[0] = location->crossed[1] = false;

@@ -5,18 +5,15 @@
  * model, geometry, contact.
  *
  * One Radau step is taken, as long as the step control accepts. If an indicator crosses zero on the step's polynomial,
- * the step is solved again with a shorter length, until it ends on the crossing to rounding: so the event does not
- * carry the error of the polynomial. (L. F. Shampine, S. Thompson, Event location for ordinary differential equations,
- * Computers and Mathematics with Applications 39, 2000; A. C. Hindmarsh et al., SUNDIALS, ACM TOMS 31, 2005.)
- *
- * The length h of the shortened step is sought by Newton's method inside a bracket. Bracket invariant: the indicator f
- * is not negative at the end of a step of length `left`; f is negative at the end of a step of length `right`, once
- * the bracket is closed. A Newton step that leaves the bracket is replaced by a bisection. */
+ * the step is solved again with a shorter length, until it ends on the crossing to rounding (docs/mechanism.md, section 6;
+ * L. F. Shampine, S. Thompson, Computers and Mathematics with Applications 39, 2000). Bracket invariant: the indicator is
+ * not negative at the end of a step of length `left`, and is negative at the end of a step of length `right`, once the
+ * bracket is closed. */
 #ifndef DUALCAM_EVENT_LOCATION_H
 #define DUALCAM_EVENT_LOCATION_H
 
 #include "collocation/radau_step.h"
-#include "model/event_kind.h"
+#include "model/mode.h"
 
 typedef struct {
     RadauStep step;

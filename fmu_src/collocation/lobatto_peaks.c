@@ -56,7 +56,7 @@ static bool raise(const LobattoSystem *s, PeakQuantity quantity, const LobattoVa
     return true;
 }
 
-bool lobatto_peaks_inside(const LobattoSystem *s, const LobattoValues reaction[2], LobattoPeaks *peaks) {
+bool lobatto_peaks_inside(const LobattoSystem *s, const LobattoValues reaction[2], Peaks *peaks) {
     const double contacts = s->slip->params->contacts;
     return raise(s, PEAK_REACTION_1, &reaction[0], contacts, &peaks->reaction[0]) &&
            raise(s, PEAK_REACTION_2, &reaction[1], contacts, &peaks->reaction[1]) &&

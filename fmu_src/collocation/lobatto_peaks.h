@@ -4,13 +4,8 @@
 
 #include "collocation/lobatto_system.h"
 
-typedef struct {
-    double omega;       /* rad/s */
-    double reaction[2]; /* N, per pin end */
-} LobattoPeaks;
-
 /* Raises the peaks, which are the larger values of both ends of the step, to those inside. `reaction`: at the nodes, N
  * in total. False if the nodes do not show a peak exactly enough. */
-bool lobatto_peaks_inside(const LobattoSystem *system, const LobattoValues reaction[2], LobattoPeaks *peaks);
+bool lobatto_peaks_inside(const LobattoSystem *system, const LobattoValues reaction[2], Peaks *peaks);
 
 #endif

@@ -43,20 +43,11 @@ static bool stays_on_patch(const LobattoSystem *s, int i) {
     const double from = fabs(load.at[0]), ends[2] = {fabs(signed_range.low), fabs(signed_range.high)};
     const LobattoRange range = {min_of(ends[0], ends[1]), max_of(ends[0], ends[1])};
     const KnotCell cell =
-        friction_table_cell(table->load, table->loads, friction_table_find(table->load, 0, table->loads + 1, from));
+        friction_table_cell(table->load, table->loads, curve_interval(table->load, 1, table->loads + 1, from));
     const bool up = range.high - from > from - range.low;
     const KnotSteps step = knot_steps(&cell, &cell, s->slip->law[i].fall.overshoot, (Vector2){from, from}, up);
     const double ahead = up ? range.high - from : from - range.low, back = up ? from - range.low : range.high - from;
     return ahead <= step.longest[0] && back <= step.back[0];
-}
-
-/* Does the nominal load of contact i change little enough to be seen by the nodes? */
-static bool resolves_load(const LobattoSystem *s, int i) {
-    const FrictionFall *fall = &s->slip->law[i].fall;
-    if (fall->low == 0.0) return true;
-    const LobattoValues load = signed_loads(s, i);
-    const LobattoRange range = lobatto_range(&load);
-    return friction_load_share(fall, range.low, range.high) == 1.0;
 }
 
 /* Where friction varies: does it change little enough over the step to be seen by the nodes? */
@@ -67,10 +58,15 @@ static bool resolves_friction(const LobattoSystem *s) {
             if (!stays_on_piece(s, i) || (s->patch[i] != NULL && !stays_on_patch(s, i))) return false;
             continue;
         }
-        if (!resolves_load(s, i)) return false;
+        const FrictionFall *fall = &s->slip->law[i].fall;
+        if (fall->low != 0.0) {
+            const LobattoValues load = signed_loads(s, i);
+            const LobattoRange loads = lobatto_range(&load);
+            if (friction_load_share(fall, loads.low, loads.high) < 1.0) return false;
+        }
         const double sliding = s->pair[0].sliding[i][0], v[2] = {range.low * sliding, range.high * sliding};
         const double low = v[0] < v[1] ? v[0] : v[1], high = v[0] < v[1] ? v[1] : v[0];
-        if (!friction_is_resolved(&s->slip->law[i].fall, s->speed.at[0] * sliding, low, high)) return false;
+        if (!friction_is_resolved(fall, s->speed.at[0] * sliding, low, high)) return false;
     }
     return true;
 }
@@ -107,22 +103,8 @@ static void add_node_loads(const LobattoSystem *s, int k, NodeLoads *out) {
         const Vector2 sliding = x * length2 * n->dpsi_dtheta[i] * dtheta; /* times the sign of x_i */
         b->heat_cam[i] += slip->friction_varies ? lobatto_sum(n->friction[i] * sliding)
                                                 : slip->signed_friction[i] * lobatto_sum(sliding);
-    }
-}
-
-/* Archard's wear: reaction times sliding distance. */
-NOINLINE static void find_wear(const LobattoSystem *s, NodeLoads *out) {
-    const SlipMode *slip = s->slip;
-    for (int i = 0; i < 2; i++) {
-        const double r = slip->params->cam[i].radius;
-        double sliding = 0.0;
-        for (int k = 0; k < LOBATTO_HALVES; k++) {
-            const NodePair *n = &s->pair[k];
-            const Vector2 length2 = r * r + n->slope[i] * n->slope[i];
-            sliding += lobatto_sum(out->x[i].half[k] * length2 * n->dpsi_dtheta[i] * LOBATTO.weight.half[k] *
-                                   s->speed.half[k]);
-        }
-        out->booking.wear[i] = wear_per_sliding(slip->params, i) * slip->direction * slip->flank[i] * s->h * sliding;
+        if (has_wear(slip->params))
+            b->wear[i] += wear_per_sliding(slip->params, i) * slip->direction * slip->flank[i] * lobatto_sum(sliding);
     }
 }
 
@@ -188,18 +170,14 @@ static void find_peaks(const LobattoSystem *s, const NodeLoads *loads, const Pea
     const double contacts = s->slip->params->contacts;
     const bool monotone = lobatto_system_is_inertial(s) && lobatto_keeps_sign(&s->y, s->y.at[0] > 0.0 ? 1 : -1);
     out->peaks_inside = !monotone && !peaks_at_end(&s->speed, known->omega);
-    out->peak_omega = larger_end(&s->speed);
+    out->peak = (Peaks){.torque = larger_end(&s->tau), .omega = larger_end(&s->speed)};
     for (int i = 0; i < 2; i++) {
         const LobattoValues *reaction = &loads->reaction[i];
         out->peaks_inside = out->peaks_inside || !peaks_at_end(reaction, known->reaction[i] * contacts);
-        out->peak_reaction[i] = larger_end(reaction) / contacts;
+        out->peak.reaction[i] = larger_end(reaction) / contacts;
     }
-    if (out->peaks_inside && s->slip->friction_varies) {
-        LobattoPeaks peaks = {out->peak_omega, {out->peak_reaction[0], out->peak_reaction[1]}};
-        out->peaks_inside = !lobatto_peaks_inside(s, loads->reaction, &peaks);
-        out->peak_omega = peaks.omega;
-        for (int i = 0; i < 2; i++) out->peak_reaction[i] = peaks.reaction[i];
-    }
+    if (out->peaks_inside && s->slip->friction_varies)
+        out->peaks_inside = !lobatto_peaks_inside(s, loads->reaction, &out->peak);
 }
 
 /* ---- the step ---- */
@@ -215,7 +193,6 @@ static bool is_accepted(LobattoSystem *s, const LobattoStart *from, LobattoStep 
     NodeLoads loads;
     loads.booking = (Booking){.work_in = 0.0};
     for (int k = 0; k < LOBATTO_HALVES; k++) add_node_loads(s, k, &loads);
-    if (has_wear(slip->params)) find_wear(s, &loads);
     if (has_friction(slip->params) && !(stays_on_flanks(s, &loads) && stays_on_spring_flanks(s))) return false;
     if (!keeps_energy(s, &loads.booking, &out->energy_gained)) return false;
     out->booking = loads.booking;
@@ -297,14 +274,6 @@ NOINLINE static void start_on_tables(LobattoSystem *s, double omega, StartFricti
     }
 }
 
-/* F^2 at the start, N^2. */
-static double start_force2(const SlipMode *slip, const LobattoStart *from) {
-    const double v = from->geometry->dz_dtheta * from->omega;
-    const double force =
-        spring_force(&slip->params->spring, from->z) + slip->inputs->F_ext[0] + slip_damper_force(slip, v);
-    return force * force;
-}
-
 /* f_i of a law at the start: with the excess that falls, and without. */
 static void start_on_law(const LobattoSystem *s, int i, double v, StartFriction *out) {
     const FrictionNearby *law = s->law[i];
@@ -322,7 +291,11 @@ static void start_on_law(const LobattoSystem *s, int i, double v, StartFriction 
 
 /* The nominal loads of both contacts at the start, see lobatto_friction(), and their powers, in one vector. */
 static void find_start_loads(LobattoSystem *s, const LobattoStart *from, double load2[2]) {
-    const double force2 = start_force2(s->slip, from);
+    const SlipMode *slip = s->slip;
+    const double v = from->geometry->dz_dtheta * from->omega;
+    const double force =
+        spring_force(&slip->params->spring, from->z) + slip->inputs->F_ext[0] + slip_damper_force(slip, v);
+    const double force2 = force * force;
     for (int i = 0; i < 2; i++) {
         const double sliding = cam_sliding(from->geometry, i);
         load2[i] = force2 * sliding * sliding * s->law[i]->per_load2[0];
@@ -477,6 +450,5 @@ bool lobatto_step_along(const SlipMode *slip, const LobattoStart *from, double l
     out->dtheta = s.dtheta.at[LOBATTO_END];
     out->domega = s.h * lobatto_sum(domega);
     out->omega = lobatto_system_is_inertial(&s) ? s.speed.at[LOBATTO_END] : lobatto_system_speed_at_end(&s);
-    out->tau = s.tau.at[LOBATTO_END];
     return booking_is_in_range(&out->booking, out->dtheta + out->omega);
 }

@@ -1,11 +1,8 @@
 /* One step of slip through grooves of any shape, without an event, by Lobatto IIIA collocation with four nodes.
  *
- * This is the common case, so it is made fast. The first node is the start of the step; the order at the end is 6
- * (E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, section IV.5). The equations of lobatto_system.h
- * are not stiff here, so that functional iteration solves them in two or three sweeps; where friction varies, in one or
- * two after half a sweep. A step is accepted only if its error is within the tolerance and if no event can lie in it:
- * the speed, the angle to the stop and both reactions stay clear of zero. event_location.h
- * advances a rejected step. */
+ * This is the common case, so it is made fast. A step is accepted only if its error is within the tolerance and if no
+ * event can lie in it: the speed, the angle to the stop and both reactions stay clear of zero. event_location.h advances a
+ * rejected step. */
 #ifndef DUALCAM_LOBATTO_STEP_H
 #define DUALCAM_LOBATTO_STEP_H
 
@@ -23,13 +20,13 @@ typedef struct {
 typedef struct {
     double h;              /* s, length */
     double dtheta, domega; /* rad, rad/s: increments; domega only with inertia */
-    double omega, tau;     /* rad/s, N.m, at the end */
+    double omega;          /* rad/s, at the end */
     bool accurate; /* four nodes suffice. Set for a rejected step too, if the step got as far as the error estimate */
     Booking booking;
     double energy_gained; /* J, see step_energy.h */
     /* Only if a ledger is kept: */
-    double peak_omega, peak_reaction[2]; /* rad/s, N per pin end: the larger value of both ends */
-    bool peaks_inside;                   /* a larger value inside the step, above the known one, is possible */
+    Peaks peak;        /* the larger values of both ends */
+    bool peaks_inside; /* a larger value inside the step, above the known one, is possible */
 } LobattoStep;
 
 /* A step of `left` seconds, or to the breakpoint of the transmission ahead. False if the step is rejected. Not for the

@@ -1,12 +1,59 @@
 #include "collocation/lobatto_system.h"
 
-#include <float.h>
-#include <math.h>
-
-#include "collocation/lobatto_kinematics.h"
 #include "elementary/elementary.h"
 #include "numerics/tolerances.h"
 #include "platform/attributes.h"
+
+/* ---- the kinematics at two nodes ---- */
+
+typedef struct {
+    Vector2 slope[2], dslope_dtheta[2], z;
+} PointPair;
+
+static inline PointPair point_pair(const TransmissionPiece *piece, Vector2 theta, TransmissionDepth depth) {
+    const TransmissionPoint a = piece_point(piece, theta[0], depth), b = piece_point(piece, theta[1], depth);
+    PointPair points = {.z = {a.z, b.z}};
+    for (int i = 0; i < 2; i++) {
+        points.slope[i] = (Vector2){a.slope[i], b.slope[i]};
+        points.dslope_dtheta[i] = (Vector2){a.dslope_dtheta[i], b.dslope_dtheta[i]};
+    }
+    return points;
+}
+
+NOINLINE static void find_curved_points(const SlipMode *slip, Vector2 theta, PointPair *out) {
+    *out = slip->follower_has_inertia ? point_pair(slip->piece, theta, TRANSMISSION_FIRST_DERIVATIVES)
+                                      : point_pair(slip->piece, theta, TRANSMISSION_SLOPES);
+}
+
+static inline PointPair points_at(const SlipMode *slip, Vector2 theta) {
+    const TransmissionPiece *piece = slip->piece;
+    PointPair points;
+    if (slip->transmission->straight) {
+        const Vector2 none = {0.0, 0.0};
+        points = (PointPair){.slope = {none + piece->slope[0][0], none + piece->slope[0][1]}};
+        points.z = piece->z[0] + theta * piece->z[1];
+    } else {
+        find_curved_points(slip, theta, &points);
+    }
+    return points;
+}
+
+/* The kinematics of docs/mechanism.md, section 2. */
+static inline void find_kinematics(const SlipMode *slip, Vector2 theta, NodePair *n) {
+    const PointPair points = points_at(slip, theta);
+    const Vector2 none = {0.0, 0.0}; /* a negative slope is rounding of the polynomial of a level groove */
+    for (int i = 0; i < 2; i++) n->slope[i] = vector2_max(points.slope[i], none);
+    const Vector2 inverse = 1.0 / (n->slope[0] + n->slope[1]);
+    n->z = points.z;
+    n->dpsi_dtheta[0] = n->slope[1] * inverse;
+    n->dpsi_dtheta[1] = n->slope[0] * inverse;
+    n->dz_dtheta = n->slope[0] * n->dpsi_dtheta[0];
+    if (!slip->follower_has_inertia) return;
+    n->d2gamma_dtheta2 =
+        (points.dslope_dtheta[1] * n->dpsi_dtheta[1] - points.dslope_dtheta[0] * n->dpsi_dtheta[0]) * inverse;
+    n->d2z_dtheta2 = points.dslope_dtheta[0] * n->dpsi_dtheta[0] * n->dpsi_dtheta[0] +
+                     points.dslope_dtheta[1] * n->dpsi_dtheta[1] * n->dpsi_dtheta[1];
+}
 
 /* ---- the balance at two nodes, see balance.h ---- */
 
@@ -211,11 +258,9 @@ NOINLINE static void evaluate_varying(LobattoSystem *s, int k, bool first) {
 ALWAYS_INLINE static inline void evaluate(LobattoSystem *s, bool varies, bool first) {
     for (int k = 0; k < LOBATTO_HALVES; k++) {
         NodePair *n = &s->pair[k];
-        if (varies) {
-            evaluate_varying(s, k, first);
-        } else if (lobatto_system_is_inertial(s)) {
-            evaluate_inertial(s, k, false, first);
-        } else {
+        if (varies) evaluate_varying(s, k, first);
+        else if (lobatto_system_is_inertial(s)) evaluate_inertial(s, k, false, first);
+        else {
             find_factors(s, s->theta + s->dtheta.half[k], s->F_ext.half[k], s->speed.half[k], false, n);
             s->y.half[k] = s->speed.half[k] = viscous_rhs(s, s->tau.half[k], n);
         }
@@ -301,16 +346,12 @@ static inline void find_inputs(LobattoSystem *s) {
     }
 }
 
-NOINLINE static void place_nodes_again(LobattoSystem *s) {
-    place_nodes(s, false);
-}
-
 /* Corrects h so that the step ends at the angle; returns by how much the step missed the angle, rad. */
 static inline double aim_at_end(LobattoSystem *s, const EndAngle *end) {
     const int direction = s->slip->direction;
     const double missed = end->distance - direction * s->dtheta.at[LOBATTO_END];
     s->h += direction * missed / s->speed.at[LOBATTO_END];
-    place_nodes_again(s);
+    place_nodes(s, false);
     return missed;
 }
 
@@ -323,7 +364,7 @@ static bool aim_at_sample(LobattoSystem *s) {
     if (fabs(missed) <= end->slack || s->h >= end->longest) return true;
     const double bend = s->h * s->y.at[LOBATTO_END] - (omega - s->omega); /* of the speed, over the step */
     s->h = min_of(s->h * (1.0 + missed / (v - end->start + sliding * bend)), end->longest);
-    place_nodes_again(s);
+    place_nodes(s, false);
     return false;
 }
 
@@ -409,7 +450,7 @@ ALWAYS_INLINE static inline void guess_step(LobattoSystem *s, const EndAngle *en
 ALWAYS_INLINE static inline bool solve_with(LobattoSystem *s, const EndAngle *end, bool varies) {
     const SlipMode *slip = s->slip;
     const double per_y = varies || lobatto_system_is_inertial(s) ? s->h : 1.0;
-    const double share = LOBATTO_SWEEP_SHARE * slip->params->tolerance, speed = fabs(s->omega);
+    const double share = ITERATION_SHARE * slip->params->tolerance, speed = fabs(s->omega);
     double before = INFINITY, missed = 0.0;
     if (varies) {
         if (slip->inputs_are_constant) find_inputs(s);
@@ -426,7 +467,7 @@ ALWAYS_INLINE static inline bool solve_with(LobattoSystem *s, const EndAngle *en
         /* Where the motion slows down, friction needs the lower speed to the same share. */
         const double end_speed = fabs(s->speed.at[LOBATTO_END]);
         const double slowed = varies && end_speed < speed ? end_speed : speed;
-        const double allowed = varies ? LOBATTO_LAST_SHARE / LOBATTO_SWEEP_SHARE * share : share;
+        const double allowed = varies ? LOBATTO_LAST_SHARE / ITERATION_SHARE * share : share;
         bool converged = (varies || n > 0) && lobatto_largest(lobatto_range(&next)) <= allowed * slowed / per_y;
         for (int k = 0; k < LOBATTO_HALVES && (varies || !converged); k++) s->y.half[k] += next.half[k];
         place_nodes(s, varies);
@@ -440,7 +481,7 @@ ALWAYS_INLINE static inline bool solve_with(LobattoSystem *s, const EndAngle *en
         }
         if (varies && n == 0 && !lobatto_is_accurate(s, LOBATTO_FAR_OFF)) return false;
         if (n > 0 && !(size <= LOBATTO_CONTRACTION * before)) {
-            const double rounding = LOBATTO_ROUNDING * lobatto_largest(lobatto_range(&s->y));
+            const double rounding = CORRECTION_ROUNDING * lobatto_largest(lobatto_range(&s->y));
             return at_end && size <= rounding && is_possible(s, varies);
         }
         before = size;

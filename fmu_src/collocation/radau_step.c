@@ -3,10 +3,10 @@
 #include <float.h>
 #include <math.h>
 
-#include "collocation/radau_edge.h"
 #include "collocation/radau_system.h"
 #include "collocation/step_energy.h"
 #include "elementary/elementary.h"
+#include "numerics/lu.h"
 #include "numerics/tolerances.h"
 #include "platform/attributes.h"
 
@@ -91,7 +91,7 @@ static double error_of_defect(const RadauSystem *s, const RadauStep *step, doubl
     const bool departs = s->slip->regime == REGIME_INERTIAL && size.growth > 1.0;
     const double damped = departs ? h * defect : h * defect / (1.0 + stiff);
     const double speed = departs ? size.change : size.speed;
-    const double rounding = RADAU_ANGLE_ROUNDING * fabs(s->start->theta);
+    const double rounding = ANGLE_ROUNDING * fabs(s->start->theta);
     double by_speed = 0.0, by_angle = damped * r->defect_once;
     if (s->slip->regime == REGIME_INERTIAL) {
         by_speed = speed > 0.0 ? damped * r->defect_once / speed : 0.0;
@@ -151,7 +151,7 @@ static EnergyEnds energy_ends_of(const SlipMode *slip, const RadauStep *step) {
 /* Error: the speeds at the nodes must add up to the distance. The integrals of work and heat miss the same amount. */
 static bool follow_edge(RadauSystem *s, RadauStep *step) {
     const Radau *r = s->method;
-    if (!radau_edge_follow(s, step->node)) return false;
+    if (!radau_system_follow_edge(s, step->node, &step->angle_noise)) return false;
     for (int j = 0; j < r->stages; j++) {
         s->y[j] = step->node[j].omega;
         step->node_dtheta[j] = step->node[j].theta - s->start->theta;
@@ -159,8 +159,7 @@ static bool follow_edge(RadauSystem *s, RadauStep *step) {
     step->dtheta = step->node_dtheta[r->stages - 1];
     step->domega = 0.0;
     const double missed = fabs(step->dtheta - s->h * radau_dot(r->weight, s->y, r->stages));
-    step->angle_noise = radau_edge_noise(s, step->node);
-    const double rounding = RADAU_ANGLE_ROUNDING * (fabs(s->start->theta) + fabs(step->dtheta)) + step->angle_noise;
+    const double rounding = ANGLE_ROUNDING * (fabs(s->start->theta) + fabs(step->dtheta)) + step->angle_noise;
     step->error = max_of(missed - rounding, 0.0) / (fabs(step->dtheta) + DBL_MIN) / s->slip->params->tolerance;
     return true;
 }
@@ -191,10 +190,219 @@ bool radau_step_solve(const SlipMode *slip, const Balance *start, double h, int 
     return true;
 }
 
-double radau_step_time_scale(const SlipMode *slip, const Balance *b) {
-    const RightHandSide *p = &b->rhs;
-    double rate = fabs(p->by_omega);
-    rate += slip->regime == REGIME_INERTIAL ? sqrt(fabs(p->by_theta)) : fabs(p->by_theta);
-    if (slip->regime == REGIME_RATE_INDEPENDENT) rate = 0.0;
-    return 1.0 / max_of(rate, DBL_MIN);
+/* ---- peaks ---- */
+
+typedef enum { PEAK_SPEED, PEAK_REACTION_1, PEAK_REACTION_2 } PeakQuantity;
+
+/* rad/s, or N in total */
+static double value_of(const Balance *b, PeakQuantity quantity) {
+    if (quantity == PEAK_SPEED) return b->omega;
+    const int i = quantity == PEAK_REACTION_1 ? 0 : 1;
+    return b->x[i] * sqrt(b->length2[i]);
+}
+
+static RadauValues values_of(const RadauStep *step, PeakQuantity quantity) {
+    RadauValues v = {.value = {value_of(&step->start, quantity)}};
+    for (int j = 0; j < step->method->stages; j++) v.value[j + 1] = value_of(&step->node[j], quantity);
+    radau_find_range(&v, step->method->stages);
+    return v;
+}
+
+/* |value| at the end of a step over the share x of the step; NAN where there is none. */
+static double value_after(const SlipMode *slip, const RadauStep *step, PeakQuantity quantity, double x) {
+    RadauStep part;
+    if (!radau_step_solve(slip, &step->start, x * step->h, step->method->stages, &part)) return NAN;
+    return fabs(value_of(radau_step_end(&part), quantity));
+}
+
+/* The largest |value| in the step; below `known` the larger one of both ends will do. Where the polynomial has its peak inside, a step that ends at the peak is solved:
+ * the end of a step is more exact than the polynomial inside. */
+static double peak_of(const SlipMode *slip, const RadauStep *step, PeakQuantity quantity, double known) {
+    const Radau *r = step->method;
+    const RadauValues v = values_of(step, quantity);
+    const double ends = max_of(fabs(v.value[0]), fabs(v.value[r->stages]));
+    if (max_of(fabs(v.low), fabs(v.high)) + BEYOND_NODES * (v.high - v.low) <= known) return ends;
+    const Bernstein p = radau_polynomial(r, v.value);
+    if (bernstein_is_monotone(&p)) return ends;
+    const double x = bernstein_peak(&p);
+    const double size = fabs(bernstein_value(&p, x));
+    if (!(size > ends) || x <= 0.0 || x >= 1.0) return ends;
+    const double found = value_after(slip, step, quantity, x);
+    if (!isfinite(found)) return size;
+    return max_of(ends, found);
+}
+
+/* True if alpha keeps its sign throughout, so that |omega| is largest at an end. */
+static bool is_speed_monotone(const RadauStep *step) {
+    RadauValues v = {.value = {step->start.alpha}};
+    for (int j = 0; j < step->method->stages; j++) v.value[j + 1] = step->node[j].alpha;
+    radau_find_range(&v, step->method->stages);
+    return max_of(v.low, -v.high) > BEYOND_NODES * (v.high - v.low);
+}
+
+void radau_step_raise_peaks(const SlipMode *slip, const RadauStep *step, Peaks *peak) {
+    const Balance *start = &step->start, *end = radau_step_end(step);
+    const int contacts = slip->params->contacts;
+    peak_raise(&peak->omega, is_speed_monotone(step) ? max_of(fabs(start->omega), fabs(end->omega))
+                                                     : peak_of(slip, step, PEAK_SPEED, peak->omega));
+    peak_raise(&peak->torque, start->tau);
+    peak_raise(&peak->torque, end->tau);
+    for (int i = 0; i < 2; i++) {
+        const PeakQuantity quantity = i == 0 ? PEAK_REACTION_1 : PEAK_REACTION_2;
+        peak_raise(&peak->reaction[i], peak_of(slip, step, quantity, peak->reaction[i] * contacts) / contacts);
+    }
+}
+
+/* ---- variation ---- */
+
+/* The collocation equations, differentiated: the change y_j of alpha (or omega) at node j obeys
+ *     y_i = by_theta_i dtheta_i + by_omega_i domega_i + by_known_i
+ * where dtheta_i and domega_i follow from y as theta_i and omega_i do. */
+typedef struct {
+    RadauSystem system;
+    RightHandSide rhs[RADAU_MAX];
+    Partials by[RADAU_MAX]; /* of alpha (or omega) */
+    Lu lu;
+} VariedStep;
+
+/* Where a law has no fall of friction, peak = 1, no step resolves the speeds of the fall: the peak has no part. */
+static void leave_out_peaks(const Params *p, Partials *by) {
+    for (int i = 0; i < 2; i++)
+        if (p->cam[i].law.peak == 1.0) by->by[KNOWN_PEAK_1 + i] = 0.0;
+}
+
+/* False if the equations have no solution. A pole at the end is left out. Such a pole belongs to an angle that is a
+ * root of time, see vary_in_parts(). */
+COLD static bool differentiate(const SlipMode *slip, const RadauStep *step, VariedStep *d) {
+    d->system = (RadauSystem){.slip = slip, .method = step->method, .h = step->h};
+    d->lu.n = step->method->stages;
+    double before = INFINITY;
+    for (int i = 0; i < d->lu.n; i++) {
+        d->rhs[i] = step->node[i].rhs;
+        balance_response(slip, &step->node[i], &d->by[i]);
+        leave_out_peaks(slip->params, &d->by[i]);
+        if (!(fabs(d->by[i].by[KNOWN_TAU]) <= VARIATION_POLE * before)) {
+            d->by[i] = (Partials){.by = {0.0}};
+            d->rhs[i].by_theta = 0.0;
+        }
+        before = fabs(d->by[i].by[KNOWN_TAU]);
+        radau_system_newton_row(&d->system, &d->rhs[i], i, d->lu.a[i]);
+    }
+    return lu_factorize(&d->lu);
+}
+
+/* A change of the state has no part in by_known. */
+COLD static void vary_by(const VariedStep *d, int known, Variation *v) {
+    const Radau *r = d->system.method;
+    const int n = r->stages;
+    const bool inertial = d->system.slip->regime == REGIME_INERTIAL;
+    const double h = d->system.h, theta = v->theta[known], omega = inertial ? v->omega[known] : 0.0;
+    double y[RADAU_MAX], twice = 0.0;
+    for (int i = 0; i < n; i++) {
+        const double forced = known < KNOWN_TAU ? 0.0 : d->by[i].by[known];
+        y[i] = d->rhs[i].by_theta * (theta + r->node[i] * h * omega) + d->rhs[i].by_omega * omega + forced;
+    }
+    lu_solve(&d->lu, y);
+    const double once = h * radau_dot(r->weight, y, n);
+    for (int j = 0; j < n; j++) twice += h * h * r->twice[j][n - 1] * y[j];
+    v->theta[known] += inertial ? h * omega + twice : once;
+    v->omega[known] = inertial ? omega + once : y[n - 1];
+}
+
+COLD static bool vary(const SlipMode *slip, const RadauStep *step, Variation *v) {
+    VariedStep varied;
+    if (!differentiate(slip, step, &varied)) return false;
+    for (int known = v->first; known < v->end; known++) vary_by(&varied, known, v);
+    return true;
+}
+
+/* How far the variation has been carried through a step. */
+typedef struct {
+    Inputs inputs;
+    Balance at;
+    Variation v;
+} VariationFront;
+
+/* Carries the variation on by t seconds in one step. */
+COLD static bool carry(const SlipMode *slip, double t, VariationFront *front) {
+    RadauStep step;
+    SlipMode here = *slip;
+    here.inputs = &front->inputs;
+    here.to_rounding = true;
+    if (!radau_step_solve(&here, &front->at, t, RADAU_MAX, &step) || !vary(&here, &step, &front->v)) return false;
+    inputs_advance(&front->inputs, t);
+    balance_at(&here, front->at.theta + step.dtheta, 0.0, 0.0, &front->at);
+    return true;
+}
+
+/* The same part in one step, and in two steps of half its length. */
+typedef struct {
+    VariationFront once, twice;
+} PartTwice;
+
+static bool is_finite(const Variation *v) {
+    double sum = 0.0;
+    for (int known = v->first; known < v->end; known++) sum += v->theta[known];
+    return isfinite(sum);
+}
+
+COLD static bool carry_twice(const SlipMode *slip, double t, PartTwice *part) {
+    bool found = true;
+    for (int k = 0; found && k < 3; k++) found = carry(slip, k == 0 ? t : 0.5 * t, k == 0 ? &part->once : &part->twice);
+    return found && is_finite(&part->once.v) && is_finite(&part->twice.v);
+}
+
+/* Raises the largest variation so far, `scale`, of each known. Do one step and two half steps agree? */
+COLD static bool agree(const PartTwice *part, double scale[KNOWN_COUNT]) {
+    bool good = true;
+    for (int known = part->once.v.first; known < part->once.v.end; known++) {
+        const double once = part->once.v.theta[known], twice = part->twice.v.theta[known];
+        scale[known] = max_of(scale[known], fabs(twice));
+        good = good && fabs(once - twice) <= VARIATION_TOLERANCE * scale[known];
+    }
+    return good;
+}
+
+static const double ROOT = 3.414213562373095; /* 1/(1 - sqrt(1/2)) */
+
+COLD static void extrapolate(const PartTwice *part, Variation *v) {
+    for (int known = v->first; known < v->end; known++) {
+        const double once = part->once.v.theta[known];
+        v->theta[known] = once + ROOT * (part->twice.v.theta[known] - once);
+    }
+}
+
+/* Without inertia a step that is good for the motion may be too long for its variation: a variation that dies out
+ * while the motion is steady, or, where quadratic damping alone acts, a speed that is a root of time. So the step is
+ * gone through again in parts. A part is accepted if one step and two half steps agree. It is accepted too if it is
+ * short against the times from the start and to the end of the step: only rounding can differ there. The shortest
+ * parts lie next to the start and the end, where the error is proportional to the root of the length: one step and two
+ * half steps together then give the limit (Richardson's extrapolation). */
+COLD static bool vary_in_parts(const SlipMode *slip, const RadauStep *step, Variation *v) {
+    VariationFront front = {.at = step->start, .v = *v};
+    front.inputs = *slip->inputs;
+    const double h = step->h;
+    double left = h, t = h, scale[KNOWN_COUNT];
+    for (int known = 0; known < KNOWN_COUNT; known++) scale[known] = fabs(v->theta[known]);
+    for (int n = 0; n < VARIATION_TRIALS && left > 0.0 && t > 0.1 * VARIATION_SHORTEST * h; n++) {
+        if (work_is_spent(slip->work)) return false;
+        PartTwice part = {front, front};
+        t = min_of(t, left);
+        const bool is_shortest = t <= VARIATION_SHORTEST * h;
+        const bool is_short = is_shortest || t <= VARIATION_SHORT * min_of(h - left, left);
+        if (carry_twice(slip, t, &part) && (agree(&part, scale) || is_short)) {
+            front = part.twice;
+            if (is_shortest) extrapolate(&part, &front.v);
+            left -= t;
+            t *= 4.0;
+        } else {
+            t *= 0.25;
+        }
+    }
+    *v = front.v;
+    return true;
+}
+
+COLD bool radau_step_vary(const SlipMode *slip, const RadauStep *step, Variation *v) {
+    return slip->regime == REGIME_INERTIAL ? vary(slip, step, v) : vary_in_parts(slip, step, v);
 }

@@ -1,11 +1,7 @@
 /* One step of the motion in one slip mode: Radau IIA collocation with 3, 5 or 7 stages, and its error.
  *
- * Room collocation: motion in one slip mode by numerical integration, in grooves of any shape, and the events that end
- * the mode. May include platform, numerics, model, geometry and contact.
- *
- * With inertia or damping the step solves the equations of radau_system.h. In the rate-independent regime it follows
- * the edge of the stick band, radau_edge.h. In each case the motion over the step is a polynomial in time. Events are
- * located on this polynomial. The integrals of work and heat are taken at its nodes, with order 2s - 1 as well.
+ * The motion over the step is a polynomial in time, on which events are located. The integrals of work and heat are
+ * taken at its nodes, with order 2s - 1 as well.
  *
  * Error estimate: the polynomial through the nodes misses the derivative at the start by a defect d_0. Between the
  * nodes the defect is about d_0 prod(1 - c/c_i); its integrals over the step are the errors of speed and angle
@@ -43,11 +39,22 @@ typedef struct {
  * converge, or if a node leaves the range in which the slip mode is possible: then a shorter step may succeed. */
 bool radau_step_solve(const SlipMode *slip, const Balance *start, double h, int stages, RadauStep *step);
 
-/* Time scale of the motion, s: where h is a small share of it, few stages suffice. */
-double radau_step_time_scale(const SlipMode *slip, const Balance *start);
-
 static inline const Balance *radau_step_end(const RadauStep *step) {
     return &step->node[step->method->stages - 1];
 }
+
+/* Raises the peaks to the largest |omega| and |R_i| in the step and the larger |tau| of both ends. */
+void radau_step_raise_peaks(const SlipMode *slip, const RadauStep *step, Peaks *peak);
+
+/* A small change of angle and speed for each known from `first` to `end` - 1, per unit of the known. Without inertia
+ * the angle alone is a state. */
+typedef struct {
+    int first, end;
+    double theta[KNOWN_COUNT], omega[KNOWN_COUNT]; /* rad, rad/s */
+} Variation;
+
+/* Replaces the variation at the start of the step by the variation at its end. Inputs change by a constant over the
+ * whole step. Not for the rate-independent regime. False if the equations have no solution. */
+bool radau_step_vary(const SlipMode *slip, const RadauStep *step, Variation *v);
 
 #endif

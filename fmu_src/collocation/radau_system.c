@@ -1,5 +1,6 @@
 #include "collocation/radau_system.h"
 
+#include <float.h>
 #include <math.h>
 
 #include "elementary/elementary.h"
@@ -195,8 +196,8 @@ typedef struct {
 static double rounding_of(const RadauSystem *s, double y, double speed) {
     const RightHandSide *rhs = &s->start->rhs;
     const double stiffness = radau_system_stiffness(s, rhs);
-    if (!is_inertial(s) || stiffness <= 1.0) return RADAU_ROUNDING * max_of(y, rhs->size);
-    return RADAU_ROUNDING * max_of(max_of(y, speed / s->h), rhs->size / stiffness);
+    if (!is_inertial(s) || stiffness <= 1.0) return CORRECTION_ROUNDING * max_of(y, rhs->size);
+    return CORRECTION_ROUNDING * max_of(max_of(y, speed / s->h), rhs->size / stiffness);
 }
 
 static SmallCorrection small_correction(const RadauSystem *s) {
@@ -212,7 +213,7 @@ static SmallCorrection small_correction(const RadauSystem *s) {
     const double per_y = is_inertial(s) ? speed / s->h : speed;
     return (SmallCorrection){
         .rounding = rounding,
-        .wanted = RADAU_NEWTON_SHARE * s->slip->params->tolerance * per_y,
+        .wanted = ITERATION_SHARE * s->slip->params->tolerance * per_y,
     };
 }
 
@@ -248,5 +249,77 @@ bool radau_system_solve(RadauSystem *s, Balance node[RADAU_MAX]) {
     NewtonMatrix newton;
     if (!solve_for_nodes(s, &newton, node)) return false;
     if (s->slip->friction_varies && !(is_inertial(s) && newton.by_series)) settle_nodes(s, node);
+    return true;
+}
+
+/* ---- the edge of the stick band ---- */
+
+/* Bracket invariant: the edge is below the torque at `from`, and not below the torque at `to`, which may be infinite.
+ * `from` is the start of the search until the edge has been found below the torque. */
+typedef struct {
+    double from, to; /* rad */
+    double last;     /* rad, latest Newton step; infinite after a bisection */
+} EdgeBracket;
+
+typedef enum { EDGE_FOUND, EDGE_SEARCHING, EDGE_LOST } EdgeProgress;
+
+/* One iteration from *theta: a Newton step, or the middle of the bracket if the Newton step leaves it. EDGE_FOUND:
+ * *theta is the solution. EDGE_LOST: the edge does not rise to the torque. */
+static EdgeProgress improve_angle(const RadauSystem *s, double t, int n, EdgeBracket *bracket, double *theta) {
+    const int sign = s->slip->direction;
+    const RightHandSide rhs = balance_rhs(s->slip, *theta, 0.0, t);
+    const double torque_left = sign * rhs.net; /* in the direction of the motion */
+    const bool rises = rhs.by_theta > 0.0;
+    if (!rhs.possible || (torque_left > 0.0 && !rises)) return EDGE_LOST;
+    if (torque_left > 0.0) {
+        bracket->from = *theta;
+    } else {
+        bracket->to = *theta;
+    }
+    const double step = rhs.net / rhs.by_theta;
+    double next = *theta + step;
+    const bool exact = fabs(step) <= ROOT_WIDTH * fabs(*theta) || (n > 4 && fabs(step) >= fabs(bracket->last));
+    const bool inside = rises && sign * (next - bracket->from) >= 0.0 && sign * (bracket->to - next) >= 0.0;
+    const bool starts_past_edge = !inside && n == 0 && torque_left <= 0.0; /* by rounding */
+    if ((rises && exact) || starts_past_edge) {
+        *theta = next;
+        return EDGE_FOUND;
+    }
+    bracket->last = inside ? step : INFINITY;
+    if (!inside) next = isfinite(bracket->to) ? 0.5 * (bracket->from + bracket->to) : *theta + 0.5 * step;
+    if (next == *theta) return EDGE_FOUND;
+    *theta = next;
+    return EDGE_SEARCHING;
+}
+
+/* Moves *theta, in the direction of the slip, to where the edge of the band is the torque at time t. Newton's method
+ * inside a bracket: an edge that begins level sends the first Newton steps far off. */
+static bool find_angle_on_edge(const RadauSystem *s, double t, double *theta) {
+    EdgeBracket bracket = {
+        .from = *theta,
+        .to = s->slip->direction > 0 ? s->highest : s->lowest,
+        .last = INFINITY,
+    };
+    for (int n = 0; n < BRACKET_ITERATIONS; n++) {
+        slip_count(s->slip, 1);
+        const EdgeProgress progress = improve_angle(s, t, n, &bracket, theta);
+        if (progress != EDGE_SEARCHING) return progress == EDGE_FOUND;
+    }
+    return false;
+}
+
+bool radau_system_follow_edge(const RadauSystem *s, Balance node[RADAU_MAX], double *noise) {
+    double theta = s->start->theta;
+    *noise = 0.0;
+    for (int i = 0; i < s->method->stages; i++) {
+        const double t = s->method->node[i] * s->h;
+        Balance *b = &node[i];
+        if (!find_angle_on_edge(s, t, &theta) || !radau_system_is_inside(s, theta)) return false;
+        balance_at(s->slip, theta, 0.0, t, b);
+        if (!(b->rhs.by_theta > 0.0)) return false;
+        const double rho = b->force != 0.0 ? b->tau / b->force : 0.0;
+        const double torque = fabs(b->tau) + fabs(rho) * (fabs(b->force - b->F_ext) + fabs(b->F_ext));
+        *noise = max_of(*noise, STICK_TIE_STRAIGHT * torque / b->rhs.by_theta);
+    }
     return true;
 }

@@ -6,11 +6,20 @@
 #include "numerics/tolerances.h"
 #include "platform/attributes.h"
 
+/* s, of the motion. */
+static double time_scale(const SlipMode *slip, const Balance *b) {
+    const RightHandSide *p = &b->rhs;
+    double rate = fabs(p->by_omega);
+    rate += slip->regime == REGIME_INERTIAL ? sqrt(fabs(p->by_theta)) : fabs(p->by_theta);
+    if (slip->regime == REGIME_RATE_INDEPENDENT) rate = 0.0;
+    return 1.0 / max_of(rate, DBL_MIN);
+}
+
 /* Few stages while the motion is slow against the step. Along the edge of the stick band, which is solved for node by
  * node, stages cost little against short steps. */
 static int stages_for(const SlipMode *slip, const Balance *start, double h) {
     if (slip->regime == REGIME_RATE_INDEPENDENT) return RADAU_MAX;
-    const double ratio = h / radau_step_time_scale(slip, start);
+    const double ratio = h / time_scale(slip, start);
     if (ratio < STEP_FOR_3_STAGES) return 3;
     return slip->params->tolerance > STEP_7_STAGES_TOLERANCE || ratio < STEP_FOR_5_STAGES ? 5 : 7;
 }

@@ -7,7 +7,7 @@
 
 #include "collocation/breakpoint.h"
 #include "collocation/radau_step.h"
-#include "model/event_kind.h"
+#include "model/mode.h"
 
 typedef enum {
     STEP_SPEED,      /* rad/s, speed in the direction of the slip */

@@ -56,7 +56,6 @@ static inline RightHandSide rhs_of_inertial(const SlipMode *slip, const SlipCoef
         .by_theta = (net.value.slope - alpha * inertia.slope) * inverse,
         .by_omega = net.by_omega * inverse,
         .by_time = (f->delta.value * in->tau_rate - f->p.value * in->F_ext_rate) * inverse,
-        .resistance = fabs(inertia.value),
         .possible = inertia.value * f->delta.value > 0.0,
     };
 }
@@ -84,15 +83,11 @@ static inline ViscousSpeed viscous_speed(double b, double c, double n, int direc
 /* B omega + C omega |omega| = N with B = Delta b + P c z', C = P q z'^2, N = Delta tau - P F_0. */
 static inline RightHandSide rhs_of_viscous(const SlipMode *slip, const SlipCoefficients *k, double z,
                                            const InputValues *in) {
-    const Params *p = slip->params;
     const DualContactFactors *f = &k->factors;
-    const double tau = in->tau, spring = spring_force(&p->spring, z), F_ext = in->F_ext;
-    const Dual load = {spring + F_ext, spring_rate(&p->spring, z) * k->dz_dtheta.value};
-    const Dual n = {f->delta.value * tau - f->p.value * load.value,
-                    f->delta.slope * tau - f->p.slope * load.value - f->p.value * load.slope};
-    const double n_size = fabs(f->delta.value * tau) + fabs(f->p.value) * (fabs(spring) + fabs(F_ext));
+    const NetTorque net = net_torque(slip, k, z, in, 0.0);
+    const Dual n = net.value;
     const Dual pz = dual_multiply(f->p, k->dz_dtheta);
-    const Dual b = dual_add(dual_scale(p->shaft.damping, f->delta), dual_scale(slip->c, pz));
+    const Dual b = dual_add(dual_scale(slip->params->shaft.damping, f->delta), dual_scale(slip->c, pz));
     const Dual c = dual_scale(slip->q, dual_multiply(pz, k->dz_dtheta));
     const ViscousSpeed speed = viscous_speed(b.value, c.value, n.value, slip->direction);
     const double omega = speed.omega;
@@ -100,11 +95,17 @@ static inline RightHandSide rhs_of_viscous(const SlipMode *slip, const SlipCoeff
     const double inverse = steepness != 0.0 ? 1.0 / steepness : 0.0;
     return (RightHandSide){
         .value = omega,
-        .size = speed.sum != 0.0 ? 2.0 * n_size / fabs(speed.sum) : 0.0,
+        .size = speed.sum != 0.0 ? 2.0 * net.size / fabs(speed.sum) : 0.0,
         .by_theta = (n.slope - omega * (b.slope + c.slope * fabs(omega))) * inverse,
         .by_time = (f->delta.value * in->tau_rate - f->p.value * in->F_ext_rate) * inverse,
         .possible = (speed.sum != 0.0 || c.value != 0.0) && speed.square >= 0.0 && speed.sign * f->delta.value > 0.0,
     };
+}
+
+/* m: dE/dF_0 of the edge E = rho F_0 of the stick band, which is rho unless friction depends on the load. */
+static double edge_rate(const SlipMode *slip, const SlipCoefficients *k, double rho, double F_0) {
+    const ContactFactors *by = &k->dfactors_dload;
+    return slip->friction_varies ? rho + F_0 * (by->p - rho * by->delta) / k->factors.delta.value : rho;
 }
 
 /* On the band's edge tau = E(theta) = rho F_0, so that (tau - rho F_ext)' = dE/dtheta omega gives omega. by_theta holds
@@ -115,12 +116,11 @@ static inline RightHandSide rhs_of_rate_independent(const SlipMode *slip, const 
     const Dual load = {spring_force(&p->spring, z) + in->F_ext, spring_rate(&p->spring, z) * k->dz_dtheta.value};
     const Dual rho = dual_contact_factors_rho(&k->factors);
     const double stiffness = rho.slope * load.value + rho.value * load.slope;
-    const double rate = in->tau_rate - slip_edge_rate(slip, k, load.value) * in->F_ext_rate;
+    const double rate = in->tau_rate - edge_rate(slip, k, rho.value, load.value) * in->F_ext_rate;
     return (RightHandSide){
         .value = stiffness > 0.0 ? rate / stiffness : 0.0,
         .by_theta = stiffness,
         .net = in->tau - rho.value * load.value,
-        .resistance = stiffness,
         .possible = k->factors.delta.value > 0.0,
     };
 }
@@ -137,17 +137,6 @@ NOINLINE static RightHandSide rhs_of_coefficients(const SlipMode *slip, const Sl
 
 /* ---- where friction varies ---- */
 
-static MotionTerms terms_of(const SlipMode *slip, const SlipCoefficients *k, double z, const InputValues *in,
-                            double omega, double alpha) {
-    const double damper = slip_damper_force(slip, k->dz_dtheta.value * omega);
-    return (MotionTerms){
-        .torque = in->tau - slip->params->shaft.damping * omega,
-        .load = spring_force(&slip->params->spring, z) + in->F_ext + damper,
-        .omega = omega,
-        .alpha = alpha,
-    };
-}
-
 /* What the speed and the load change through the friction coefficients. Without inertia the coefficients depend on the load
  * alone. */
 NOINLINE static RightHandSide rhs_of_varying(const SlipMode *slip, const SlipCoefficients *k, double z,
@@ -155,8 +144,18 @@ NOINLINE static RightHandSide rhs_of_varying(const SlipMode *slip, const SlipCoe
     RightHandSide rhs = rhs_of_coefficients(slip, k, z, in, omega);
     if (slip->regime == REGIME_RATE_INDEPENDENT) return rhs;
     const bool inertial = slip->regime == REGIME_INERTIAL;
-    const MotionTerms terms = terms_of(slip, k, z, in, inertial ? omega : rhs.value, inertial ? rhs.value : 0.0);
-    const double steepness = inertial ? slip_inertia(slip, k).value : slip_viscous_rate(slip, k, rhs.value);
+    const double speed = inertial ? omega : rhs.value, b = slip->params->shaft.damping;
+    const double dz_dtheta = k->dz_dtheta.value, v = dz_dtheta * speed;
+    const MotionTerms terms = {
+        .torque = in->tau - b * speed,
+        .load = spring_force(&slip->params->spring, z) + in->F_ext + slip_damper_force(slip, v),
+        .omega = speed,
+        .alpha = inertial ? rhs.value : 0.0,
+    };
+    /* of the residual by what the balance gives: alpha, or omega */
+    const double steepness =
+        inertial ? slip_inertia(slip, k).value
+                 : b * k->factors.delta.value + k->factors.p.value * dz_dtheta * slip_damper_rate(slip, v);
     if (inertial) rhs.by_omega += residual_change(slip, k, &k->dfactors_domega, &terms) / steepness;
     rhs.by_time += residual_change(slip, k, &k->dfactors_dload, &terms) * in->F_ext_rate / steepness;
     return rhs;
@@ -177,55 +176,64 @@ RightHandSide balance_rhs(const SlipMode *slip, double theta, double omega, doub
 
 /* ---- the balance ---- */
 
-/* A and W. */
-typedef struct {
-    double axial, moment; /* N, N.m */
-} Loads;
-
-static inline Loads loads_of(const SlipMode *slip, const SlipCoefficients *k, double force, double omega,
-                             double alpha) {
-    if (!slip->follower_has_inertia) return (Loads){force, 0.0};
-    const InertiaParams *i = &slip->params->inertia;
-    return (Loads){
-        force + i->follower_mass * (k->dz_dtheta.value * alpha + k->d2z_dtheta2.value * omega * omega),
-        i->follower * (k->dpsi_dtheta[0].value * alpha + k->d2gamma_dtheta2.value * omega * omega),
-    };
+/* Sets what theta, omega, alpha, z and the inputs of the balance imply, but the contact loads; returns A and W. */
+static inline Loads describe(const SlipMode *slip, const SlipCoefficients *k, Balance *b) {
+    const Params *p = slip->params;
+    const double inverse = 1.0 / k->factors.delta.value;
+    b->dz_dtheta = k->dz_dtheta.value;
+    b->force = spring_force(&p->spring, b->z) + b->F_ext;
+    b->damper = slip_damper_force(slip, b->dz_dtheta * b->omega);
+    for (int i = 0; i < 2; i++) {
+        b->dpsi_dtheta[i] = k->dpsi_dtheta[i].value;
+        b->friction[i] = slip_friction(slip, k, i);
+        b->axial[i] = k->factors.rn[1 - i].value * inverse;
+        b->length2[i] = p->cam[i].radius * p->cam[i].radius + k->slope[i].value * k->slope[i].value;
+    }
+    return loads_of(slip, k, b->force + b->damper, b->omega, b->alpha);
 }
 
-void balance_at(const SlipMode *slip, double theta, double omega, double t, Balance *out) {
-    const Params *p = slip->params;
+void balance_at(const SlipMode *slip, double theta, double omega, double t, Balance *b) {
     SlipCoefficients storage;
-    double z;
     const InputValues in = slip_inputs_at(slip, t);
-    const SlipCoefficients *k = slip_coefficients_at(slip, theta, omega, in.F_ext, &storage, &z);
-    const DualContactFactors *f = &k->factors;
-    const RightHandSide rhs = rhs_of(slip, k, z, &in, omega);
+    const SlipCoefficients *k = slip_coefficients_at(slip, theta, omega, in.F_ext, &storage, &b->z);
     const bool inertial = slip->regime == REGIME_INERTIAL;
-    const double alpha = inertial ? rhs.value : 0.0;
-    if (!inertial) omega = rhs.value;
-    const double damper = slip_damper_force(slip, k->dz_dtheta.value * omega);
-    const double force = spring_force(&p->spring, z) + in.F_ext;
-    const Loads load = loads_of(slip, k, force + damper, omega, alpha);
-    const double inverse = 1.0 / f->delta.value;
-    *out = (Balance){
-        .theta = theta,
-        .omega = omega,
-        .alpha = alpha,
-        .rhs = rhs,
-        .tau = in.tau,
-        .F_ext = in.F_ext,
-        .force = force,
-        .damper = damper,
-        .z = z,
-        .dz_dtheta = k->dz_dtheta.value,
-        .dpsi_dtheta = {k->dpsi_dtheta[0].value, k->dpsi_dtheta[1].value},
-        .friction = {slip_friction(slip, k, 0), slip_friction(slip, k, 1)},
-        .axial = {f->rn[1].value * inverse, f->rn[0].value * inverse},
-        .x = {(f->rn[1].value * load.axial - f->d[1].value * load.moment) * inverse,
-              (f->rn[0].value * load.axial + f->d[0].value * load.moment) * inverse},
-    };
-    for (int i = 0; i < 2; i++)
-        out->length2[i] = p->cam[i].radius * p->cam[i].radius + k->slope[i].value * k->slope[i].value;
+    b->rhs = rhs_of(slip, k, b->z, &in, omega);
+    b->theta = theta;
+    b->omega = inertial ? omega : b->rhs.value;
+    b->alpha = inertial ? b->rhs.value : 0.0;
+    b->tau = in.tau;
+    b->F_ext = in.F_ext;
+    const Loads load = describe(slip, k, b);
+    const double inverse = 1.0 / k->factors.delta.value;
+    b->x[0] = (k->factors.rn[1].value * load.axial - k->factors.d[1].value * load.moment) * inverse;
+    b->x[1] = (k->factors.rn[0].value * load.axial + k->factors.d[0].value * load.moment) * inverse;
+}
+
+/* x_i from two of the three equations d_1 x_1 + d_2 x_2 = A, r_1 n_1 x_1 = T - W, r_2 n_2 x_2 = T. Near a jam Delta,
+ * the determinant of the axial balance and the difference of the moments, is small; the determinant P of both moments
+ * is small where a contact is about to lock. The larger one, as a share of its terms, loses fewer digits. */
+static void solve_loads(const DualContactFactors *f, Loads load, double torque, double x[2]) {
+    const double rn[2] = {f->rn[0].value, f->rn[1].value}, d[2] = {f->d[0].value, f->d[1].value};
+    const double delta_terms = fabs(d[0] * rn[1]) + fabs(rn[0] * d[1]);
+    const double p_terms = (fabs(rn[0]) + fabs(d[0])) * (fabs(rn[1]) + fabs(d[1]));
+    if (fabs(f->delta.value) * p_terms >= fabs(f->p.value) * delta_terms) {
+        x[0] = (rn[1] * load.axial - d[1] * load.moment) / f->delta.value;
+        x[1] = (rn[0] * load.axial + d[0] * load.moment) / f->delta.value;
+    } else {
+        x[0] = (torque - load.moment) / rn[0];
+        x[1] = torque / rn[1];
+    }
+}
+
+void balance_set_motion(const SlipMode *slip, double theta, double omega, double alpha, Balance *b) {
+    SlipCoefficients storage;
+    const SlipCoefficients *k = slip_coefficients_at(slip, theta, omega, b->F_ext, &storage, &b->z);
+    b->theta = theta;
+    b->omega = omega;
+    b->alpha = alpha;
+    const Loads load = describe(slip, k, b);
+    const double torque = b->tau - slip->params->shaft.damping * omega - slip->params->inertia.shaft * alpha;
+    solve_loads(&k->factors, load, torque, b->x);
 }
 
 /* Friction heat: mu_i |R_i| times the sliding speed (docs/mechanism.md, section 4). */
@@ -253,8 +261,7 @@ static double sliding_speed(const SlipMode *slip, const Balance *b, int i) {
 
 /* N, N_i (model/friction_law.h), with the sign of F */
 static double signed_load(const SlipMode *slip, const Balance *b, int i) {
-    return (b->force + b->damper) * b->dpsi_dtheta[i] * sqrt(b->length2[i]) /
-           (slip->params->contacts * slip->params->cam[i].radius);
+    return (b->force + b->damper) * b->dpsi_dtheta[i] * sqrt(b->length2[i]) * slip_load_per_sliding(slip, i);
 }
 
 double balance_friction_share(const SlipMode *slip, const Balance *from, const Balance *to) {

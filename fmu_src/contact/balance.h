@@ -22,9 +22,8 @@ typedef struct {
     double size;               /* sum of the magnitudes of its terms: its rounding is some eps of that */
     double by_theta, by_omega; /* its partial derivatives; by_omega only if inertial */
     double by_time;
-    double net;        /* N.m, rate-independent only: tau - rho F_0, torque beyond the edge */
-    double resistance; /* inertial: |Delta| times the effective inertia; rate-independent: dE/dtheta, N.m/rad */
-    bool possible;     /* D/Delta > 0 (docs/mechanism.md, section 3); rate-independent: Delta > 0 */
+    double net;    /* N.m, rate-independent only: tau - rho F_0, torque beyond the edge */
+    bool possible; /* D/Delta > 0 (docs/mechanism.md, section 3); rate-independent: Delta > 0 */
 } RightHandSide;
 
 /* The balance and all that enters it. */
@@ -58,15 +57,6 @@ double balance_friction_share(const SlipMode *slip, const Balance *from, const B
 /* The right-hand side alone, as a Newton iteration needs it. */
 RightHandSide balance_rhs(const SlipMode *slip, double theta, double omega, double t);
 
-/* One-sided time derivatives of alpha (or omega) and of the contact loads along the motion. */
-typedef struct {
-    double rhs;        /* 1/s times the unit of RightHandSide.value */
-    double contact[2]; /* N/(m.s), d x_i/dt */
-} BalanceRates;
-
-/* `balance` is that at time t. */
-void balance_rates(const SlipMode *slip, const Balance *balance, double t, BalanceRates *out);
-
 /* N/m: the sums of the magnitudes of the terms of x_i, which rounds by a few eps of them. */
 void balance_contact_sizes(const SlipMode *slip, const Balance *balance, double size[2]);
 
@@ -92,8 +82,17 @@ typedef struct {
 /* The change of axial force and f_i at constant state, if an input or a tunable parameter grows by 1 of its unit. */
 BalanceChange balance_change_by(const SlipMode *slip, const Balance *balance, Known known);
 
-/* N/m: the first-order change of x_i. */
-double balance_contact_change(const SlipMode *slip, const Balance *balance, int i, const BalanceChange *change);
+/* N/m: the first-order changes of x_i. */
+void balance_contact_changes(const SlipMode *slip, const Balance *balance, const BalanceChange *by, double change[2]);
+
+/* One-sided time derivatives of alpha (or omega) and of the contact loads along the motion. */
+typedef struct {
+    double rhs;        /* 1/s times the unit of RightHandSide.value */
+    double contact[2]; /* N/(m.s), d x_i/dt */
+} BalanceRates;
+
+/* `balance` is that at time t. */
+void balance_rates(const SlipMode *slip, const Balance *balance, double t, BalanceRates *out);
 
 /* The rates of the accounts, watt. */
 Booking balance_power(const SlipMode *slip, const Balance *balance);

@@ -15,15 +15,11 @@ static MotionTerms terms_of(const SlipMode *slip, const Balance *balance) {
 }
 
 /* By the friction coefficient of contact i. */
-static double partial_by_friction(const SlipMode *slip, const SlipCoefficients *k, const Balance *balance, int i) {
-    const CamParams *cam = slip->params->cam;
-    const double radius[2] = {cam[0].radius, cam[1].radius}, slope[2] = {k->slope[0].value, k->slope[1].value};
+static double partial_by_friction(const SlipMode *slip, const SlipCoefficients *k, const MotionTerms *terms, int i) {
     double df[2] = {0.0, 0.0};
     df[i] = slip->direction * slip->flank[i];
-    const ContactFactors values = dual_contact_factors_values(&k->factors);
-    const ContactFactors by = contact_factors_change(&values, radius, slope, df);
-    const MotionTerms terms = terms_of(slip, balance);
-    return residual_change(slip, k, &by, &terms);
+    const ContactFactors by = slip_factors_by(slip, k, df);
+    return residual_change(slip, k, &by, terms);
 }
 
 /* d mu_i/d known, at constant speed and load. */
@@ -31,7 +27,7 @@ static double friction_by(const SlipMode *slip, const SlipCoefficients *k, const
     const CamParams *cam = &slip->params->cam[i];
     const double length = sqrt(cam->radius * cam->radius + k->slope[i].value * k->slope[i].value);
     const double sliding = k->dpsi_dtheta[i].value * length;
-    const double load = (b->force + b->damper) * sliding / (slip->params->contacts * cam->radius);
+    const double load = (b->force + b->damper) * sliding * slip_load_per_sliding(slip, i);
     const double omega = slip->regime == REGIME_RATE_INDEPENDENT ? 0.0 : b->omega;
     const Jet v = {.c = {{slip->direction * omega * sliding, 0.0}}}, load2 = {.c = {{load * load, 0.0}}};
     return friction_along(cam, i, &v, &load2, known).c[0].slope;
@@ -66,13 +62,13 @@ double balance_force_by(const SlipMode *slip, Known known, double factor, double
 
 void balance_partials(const SlipMode *slip, const Balance *balance, Partials *out) {
     const Params *p = slip->params;
-    const double b = p->shaft.damping, omega = balance->omega, torque = balance->tau - b * omega;
+    const double b = p->shaft.damping, omega = balance->omega;
     SlipCoefficients storage;
     double z;
     const SlipCoefficients *k = slip_coefficients_at(slip, balance->theta, omega, balance->F_ext, &storage, &z);
     const DualContactFactors *f = &k->factors;
     const MotionTerms terms = terms_of(slip, balance);
-    const double v = k->dz_dtheta.value * omega, load = balance->force + balance->damper;
+    const double v = k->dz_dtheta.value * omega;
     const double damper_rate = slip_damper_rate(slip, v);
     const double load_slope =
         spring_rate(&p->spring, z) * k->dz_dtheta.value + damper_rate * k->dz_dtheta.slope * omega;
@@ -80,7 +76,7 @@ void balance_partials(const SlipMode *slip, const Balance *balance, Partials *ou
     const double by_load = slip->friction_varies ? residual_change(slip, k, &k->dfactors_dload, &terms) : 0.0;
     double *by = out->by;
     *out = (Partials){.by = {0.0}};
-    by[KNOWN_THETA] = f->delta.slope * torque - f->p.slope * load - f->p.value * load_slope -
+    by[KNOWN_THETA] = f->delta.slope * terms.torque - f->p.slope * terms.load - f->p.value * load_slope -
                       by_speed.slope * (omega * omega) - inertia.slope * balance->alpha;
     by[KNOWN_OMEGA] =
         -f->delta.value * b - f->p.value * damper_rate * k->dz_dtheta.value - 2.0 * by_speed.value * omega;
@@ -89,53 +85,10 @@ void balance_partials(const SlipMode *slip, const Balance *balance, Partials *ou
     for (int known = KNOWN_F_EXT; known < KNOWN_COUNT; known++)
         by[known] = balance_force_by(slip, (Known)known, by_load - f->p.value, z, v);
     for (int i = 0; i < 2; i++) {
-        by[KNOWN_FRICTION_1 + i] = partial_by_friction(slip, k, balance, i);
+        by[KNOWN_FRICTION_1 + i] = partial_by_friction(slip, k, &terms, i);
         partials_by_law(slip, k, balance, i, by[KNOWN_FRICTION_1 + i], out);
     }
     if (slip->friction_varies) by[KNOWN_OMEGA] += residual_change(slip, k, &k->dfactors_domega, &terms);
-}
-
-/* ---- loads of a known motion ---- */
-
-/* x_i from two of the three equations d_1 x_1 + d_2 x_2 = A, r_1 n_1 x_1 = T - W, r_2 n_2 x_2 = T. Near a jam Delta,
- * the determinant of the axial balance and the difference of the moments, is small; the determinant P of both moments
- * is small where a contact is about to lock. The larger one, as a share of its terms, loses fewer digits. */
-static void solve_loads(const DualContactFactors *f, double axial, double torque, double moment, double x[2]) {
-    const double rn[2] = {f->rn[0].value, f->rn[1].value}, d[2] = {f->d[0].value, f->d[1].value};
-    const double delta_terms = fabs(d[0] * rn[1]) + fabs(rn[0] * d[1]);
-    const double p_terms = (fabs(rn[0]) + fabs(d[0])) * (fabs(rn[1]) + fabs(d[1]));
-    if (fabs(f->delta.value) * p_terms >= fabs(f->p.value) * delta_terms) {
-        x[0] = (rn[1] * axial - d[1] * moment) / f->delta.value;
-        x[1] = (rn[0] * axial + d[0] * moment) / f->delta.value;
-    } else {
-        x[0] = (torque - moment) / rn[0];
-        x[1] = torque / rn[1];
-    }
-}
-
-void balance_set_motion(const SlipMode *slip, double theta, double omega, double alpha, Balance *b) {
-    const Params *p = slip->params;
-    const InertiaParams *in = &p->inertia;
-    SlipCoefficients storage;
-    const SlipCoefficients *k = slip_coefficients_at(slip, theta, omega, b->F_ext, &storage, &b->z);
-    const DualContactFactors *f = &k->factors;
-    b->theta = theta;
-    b->omega = omega;
-    b->alpha = alpha;
-    b->dz_dtheta = k->dz_dtheta.value;
-    b->force = spring_force(&p->spring, b->z) + b->F_ext;
-    b->damper = slip_damper_force(slip, b->dz_dtheta * omega);
-    const double torque = b->tau - p->shaft.damping * omega - in->shaft * alpha;
-    const double follower_acceleration = b->dz_dtheta * alpha + k->d2z_dtheta2.value * omega * omega;
-    const double axial = b->force + b->damper + in->follower_mass * follower_acceleration;
-    const double moment = in->follower * (k->dpsi_dtheta[0].value * alpha + k->d2gamma_dtheta2.value * omega * omega);
-    solve_loads(f, axial, torque, moment, b->x);
-    for (int i = 0; i < 2; i++) {
-        b->dpsi_dtheta[i] = k->dpsi_dtheta[i].value;
-        b->friction[i] = slip_friction(slip, k, i);
-        b->axial[i] = f->rn[1 - i].value / f->delta.value;
-        b->length2[i] = p->cam[i].radius * p->cam[i].radius + k->slope[i].value * k->slope[i].value;
-    }
 }
 
 void balance_response(const SlipMode *slip, const Balance *balance, Partials *out) {
@@ -165,32 +118,89 @@ static double acceleration_change(const Balance *b, Dual k, Dual k_rate, const B
 }
 
 /* x_i = (r n A -+ d W)/Delta with n and d of the other contact, see balance.h. */
-double balance_contact_change(const SlipMode *slip, const Balance *balance, int i, const BalanceChange *c) {
+void balance_contact_changes(const SlipMode *slip, const Balance *b, const BalanceChange *c, double change[2]) {
     const Params *p = slip->params;
-    const double m = p->inertia.follower_mass, I = p->inertia.follower, omega = balance->omega, alpha = balance->alpha;
+    SlipCoefficients storage;
+    double z, df[2] = {c->friction[0], c->friction[1]};
+    const SlipCoefficients *k = slip_coefficients_at(slip, b->theta, b->omega, b->F_ext, &storage, &z);
+    const DualContactFactors *f = &k->factors;
+    const Loads load = loads_of(slip, k, b->force + b->damper, b->omega, b->alpha);
+    const double damper_rate = slip_damper_rate(slip, k->dz_dtheta.value * b->omega);
+    const double axial = c->axial + spring_rate(&p->spring, z) * k->dz_dtheta.value * c->theta +
+                         damper_rate * (k->dz_dtheta.slope * b->omega * c->theta + k->dz_dtheta.value * c->omega) +
+                         p->inertia.follower_mass * acceleration_change(b, k->dz_dtheta, k->d2z_dtheta2, c);
+    const double moment = p->inertia.follower * acceleration_change(b, k->dpsi_dtheta[0], k->d2gamma_dtheta2, c);
+    for (int i = 0; slip->friction_varies && i < 2; i++)
+        df[i] += k->dfriction_domega[i] * c->omega + k->dfriction_dload[i] * c->axial;
+    const ContactFactors by = slip_factors_by(slip, k, df); /* and by theta: */
+    for (int i = 0; i < 2; i++) {
+        const int j = 1 - i;
+        const double rn = f->rn[j].slope * c->theta + by.rn[j], d = f->d[j].slope * c->theta + by.d[j];
+        const double by_moment = f->d[j].value * moment + d * load.moment;
+        change[i] = (f->rn[j].value * axial + rn * load.axial + (i == 0 ? -by_moment : by_moment) -
+                     b->x[i] * (f->delta.slope * c->theta + by.delta)) /
+                    f->delta.value;
+    }
+}
+
+void balance_rates(const SlipMode *slip, const Balance *b, double t, BalanceRates *out) {
+    const bool inertial = slip->regime == REGIME_INERTIAL;
+    const double by_theta = slip->regime == REGIME_RATE_INDEPENDENT ? 0.0 : b->rhs.by_theta;
+    out->rhs = b->rhs.by_time + by_theta * b->omega + b->rhs.by_omega * b->alpha;
+    const BalanceChange along = {
+        .theta = b->omega,
+        .omega = inertial ? b->alpha : out->rhs,
+        .alpha = inertial ? out->rhs : 0.0,
+        .axial = slip_inputs_at(slip, t).F_ext_rate,
+    };
+    balance_contact_changes(slip, b, &along, out->contact);
+}
+
+/* ---- sizes ---- */
+
+/* Sums of the magnitudes of the terms of A and W. */
+typedef struct {
+    double axial, moment; /* N, N.m */
+} LoadSizes;
+
+/* rad/s^2, of alpha. */
+static double alpha_size(const SlipMode *slip, const SlipCoefficients *k, const Balance *balance, double force) {
+    const InertiaParams *inertia = &slip->params->inertia;
+    const DualContactFactors *f = &k->factors;
+    const double by_speed = (fabs(f->p.value) * inertia->follower_mass * fabs(k->d2z_dtheta2.value) +
+                             fabs(f->q.value) * inertia->follower * fabs(k->d2gamma_dtheta2.value)) *
+                            (balance->omega * balance->omega);
+    const double torque = fabs(balance->tau) + slip->params->shaft.damping * fabs(balance->omega);
+    return (fabs(f->delta.value) * torque + fabs(f->p.value) * force + by_speed) / fabs(slip_inertia(slip, k).value);
+}
+
+static LoadSizes load_sizes(const SlipMode *slip, const SlipCoefficients *k, const Balance *balance) {
+    const Params *p = slip->params;
+    const double z_rounding = TRANSMISSION_TERM_SHARE * slip->transmission->z_size; /* counts as a term beside z */
+    const double force = fabs(p->spring.preload) + fabs(balance->F_ext) + fabs(balance->damper) +
+                         spring_terms(&p->spring, balance->z, z_rounding);
+    if (!slip->follower_has_inertia || slip->regime != REGIME_INERTIAL) return (LoadSizes){force, 0.0};
+    const double alpha = alpha_size(slip, k, balance, force), omega2 = balance->omega * balance->omega;
+    return (LoadSizes){
+        force + p->inertia.follower_mass * (fabs(k->dz_dtheta.value) * alpha + fabs(k->d2z_dtheta2.value) * omega2),
+        p->inertia.follower * (fabs(k->dpsi_dtheta[0].value) * alpha + fabs(k->d2gamma_dtheta2.value) * omega2),
+    };
+}
+
+/* m^2: r_i n_i = r_i (a_i + f_i r_i), whose terms cancel where a contact begins to lock, with the rounding of a_i. */
+static double lever_size(const SlipMode *slip, const SlipCoefficients *k, int i) {
+    const double r = slip->params->cam[i].radius, rounded = r * slip->transmission->steepest[i];
+    if (!slip->friction_varies) return fabs(k->factors.rn[i].value) + rounded;
+    return fabs(k->factors.rn[i].value) + rounded + r * (fabs(k->slope[i].value) + fabs(k->friction[i]) * r);
+}
+
+void balance_contact_sizes(const SlipMode *slip, const Balance *balance, double size[2]) {
     SlipCoefficients storage;
     double z;
-    const SlipCoefficients *k = slip_coefficients_at(slip, balance->theta, omega, balance->F_ext, &storage, &z);
-    const DualContactFactors *f = &k->factors;
-    const Dual rn = f->rn[1 - i], signed_d = dual_scale(i == 0 ? -1.0 : 1.0, f->d[1 - i]);
-    const double follower_acceleration = k->dz_dtheta.value * alpha + k->d2z_dtheta2.value * omega * omega;
-    const double axial = balance->force + balance->damper + m * follower_acceleration;
-    const double moment = I * (k->dpsi_dtheta[0].value * alpha + k->d2gamma_dtheta2.value * omega * omega);
-    const double damper_rate = slip_damper_rate(slip, k->dz_dtheta.value * omega);
-    const double axial_change = c->axial + spring_rate(&p->spring, z) * k->dz_dtheta.value * c->theta +
-                                damper_rate * (k->dz_dtheta.slope * omega * c->theta + k->dz_dtheta.value * c->omega) +
-                                m * acceleration_change(balance, k->dz_dtheta, k->d2z_dtheta2, c);
-    const double moment_change = I * acceleration_change(balance, k->dpsi_dtheta[0], k->d2gamma_dtheta2, c);
-    const double radius[2] = {p->cam[0].radius, p->cam[1].radius}, slope[2] = {k->slope[0].value, k->slope[1].value};
-    double df[2];
-    for (int j = 0; j < 2; j++) {
-        df[j] = c->friction[j];
-        if (slip->friction_varies) df[j] += k->dfriction_domega[j] * c->omega + k->dfriction_dload[j] * c->axial;
-    }
-    const ContactFactors values = dual_contact_factors_values(f);
-    const ContactFactors by = contact_factors_change(&values, radius, slope, df);
-    return contact_load_by_factors(k, &by, i, axial, moment, balance->x[i]) +
-           (rn.value * axial_change + signed_d.value * moment_change +
-            (rn.slope * axial + signed_d.slope * moment - balance->x[i] * f->delta.slope) * c->theta) /
-               f->delta.value;
+    const SlipCoefficients *k =
+        slip_coefficients_at(slip, balance->theta, balance->omega, balance->F_ext, &storage, &z);
+    const LoadSizes load = load_sizes(slip, k, balance);
+    for (int i = 0; i < 2; i++)
+        size[i] = (lever_size(slip, k, 1 - i) * load.axial + fabs(k->factors.d[1 - i].value) * load.moment) /
+                  fabs(k->factors.delta.value);
 }

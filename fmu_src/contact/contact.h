@@ -40,16 +40,6 @@ typedef struct {
     double load_rate, release_rate; /* m, dT/dF_0: the same, unless friction depends on the load */
 } BandFactors;
 
-/* x_i of a contact and its first and second time derivatives. */
-typedef struct {
-    double value, rate, second;
-} ContactLoad;
-
-/* x_i and its first time derivative, of both contacts. */
-typedef struct {
-    double value[2], rate[2];
-} ContactLoadPair;
-
 /* ---- flanks and slip modes ---- */
 
 enum { FLANK_PAIR_COUNT = 4, SLIP_MODE_COUNT = 2 * FLANK_PAIR_COUNT /* directions x pairs of flanks */ };

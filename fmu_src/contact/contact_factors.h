@@ -122,14 +122,7 @@ typedef struct {
     Jet rn[2], d[2], delta, p, q;
 } JetContactFactors;
 
-static inline void jet_contact_factors_set(JetContactFactors *f, int i, double r, Dual signed_friction, const Jet *a) {
-    f->rn[i] = jet_line(dual_scale(r * r, signed_friction), (Dual){r, 0.0}, a);
-    f->d[i] = jet_line((Dual){r, 0.0}, dual_scale(-1.0, signed_friction), a);
-}
-
-/* With a signed friction coefficient f that varies along the motion. */
-static inline void jet_contact_factors_set_varying(JetContactFactors *factors, int i, double r, const Jet *f,
-                                                   const Jet *a) {
+static inline void jet_contact_factors_set(JetContactFactors *factors, int i, double r, const Jet *f, const Jet *a) {
     factors->rn[i] = jet_line((Dual){0.0, 0.0}, (Dual){r, 0.0}, a);
     jet_add_scaled(&factors->rn[i], r * r, f);
     factors->d[i] = (Jet){.c = {{r, 0.0}}};

@@ -134,15 +134,14 @@ static bool is_positive(const Determinant *d, const Transmission *transmission) 
  * load. */
 typedef struct {
     const Transmission *transmission;
-    size_t piece;
     int intervals; /* of a piece, between its samples */
-    int sample;
+    size_t next;
     double theta;
     TransmissionPoint point;
 } Sampler;
 
 static Sampler sampler_of(const Params *p, const Transmission *transmission) {
-    Sampler s = {.transmission = transmission, .sample = -1};
+    Sampler s = {.transmission = transmission};
     if (!transmission->straight || any_friction_depends_on_load(p))
         s.intervals = transmission->count < JAM_MANY_PIECES ? JAM_SAMPLES : JAM_SAMPLES_OF_MANY;
     return s;
@@ -150,16 +149,13 @@ static Sampler sampler_of(const Params *p, const Transmission *transmission) {
 
 /* Goes on to the next place; false after the last one. */
 static bool next_sample(Sampler *s) {
-    if (++s->sample > s->intervals) {
-        s->sample = 0;
-        s->piece++;
-    }
-    if (s->piece >= s->transmission->count) return false;
-    const TransmissionPiece *piece = &s->transmission->piece[s->piece];
-    s->theta = piece->lower;
-    if (s->sample > 0)
-        s->theta = s->sample == s->intervals ? piece->upper
-                                             : piece->lower + (piece->upper - piece->lower) * s->sample / s->intervals;
+    const size_t places = (size_t)s->intervals + 1, n = s->next++;
+    if (n >= places * s->transmission->count) return false;
+    const TransmissionPiece *piece = &s->transmission->piece[n / places];
+    const int sample = (int)(n % places);
+    if (sample == 0) s->theta = piece->lower;
+    else if (sample == s->intervals) s->theta = piece->upper;
+    else s->theta = piece->lower + (piece->upper - piece->lower) * sample / s->intervals;
     s->point = piece_at(piece, s->theta);
     return true;
 }
@@ -215,20 +211,20 @@ static void name_lead(char text[80], const Params *p, int i, double slope) {
                  shortest_decimal(elementary_atan(slope / p->cam[i].radius)).text, i + 1);
 }
 
-static void name_friction(char text[100], const CamParams *cam, double mu, int i) {
+static void name_friction(char text[128], const CamParams *cam, double mu, int i) {
     const FrictionParams *law = &cam->law;
-    if (law->table) snprintf(text, 100, "cam%d.friction_table with mu up to %s", i + 1, shortest_decimal(mu).text);
+    if (law->table) snprintf(text, 128, "cam%d.friction_table with mu up to %s", i + 1, shortest_decimal(mu).text);
     else if (law->load_exponent != 0.0)
-        snprintf(text, 100, "cam%d.friction = %s, under load up to mu = %s", i + 1,
+        snprintf(text, 128, "cam%d.friction = %s, under load up to mu = %s", i + 1,
                  shortest_decimal(cam->friction).text, shortest_decimal(mu).text);
-    else if (law->peak == 1.0) snprintf(text, 100, "cam%d.friction = %s", i + 1, shortest_decimal(cam->friction).text);
+    else if (law->peak == 1.0) snprintf(text, 128, "cam%d.friction = %s", i + 1, shortest_decimal(cam->friction).text);
     else
-        snprintf(text, 100, "cam%d.friction = %s times cam%d.friction_peak = %s at rest", i + 1,
+        snprintf(text, 128, "cam%d.friction = %s times cam%d.friction_peak = %s at rest", i + 1,
                  shortest_decimal(cam->friction).text, i + 1, shortest_decimal(law->peak).text);
 }
 
 static void describe_jam(Fault *fault, const Params *p, const Sampler *at, const double mu[2]) {
-    char lead[2][80], friction[2][100];
+    char lead[2][80], friction[2][128];
     for (int i = 0; i < 2; i++) {
         name_lead(lead[i], p, i, at->point.slope[i]); /* of a helix only the parameter is named */
         name_friction(friction[i], &p->cam[i], mu[i], i);

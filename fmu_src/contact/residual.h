@@ -1,8 +1,24 @@
-/* How the residual of the equation of motion changes with the factors of the contacts. */
+/* Terms that the balance of forces and its derivatives share. */
 #ifndef DUALCAM_RESIDUAL_H
 #define DUALCAM_RESIDUAL_H
 
 #include "contact/slip_mode.h"
+
+/* A and W. */
+typedef struct {
+    double axial, moment; /* N, N.m */
+} Loads;
+
+/* `force`: F_0 + D, N. */
+static inline Loads loads_of(const SlipMode *slip, const SlipCoefficients *k, double force, double omega,
+                             double alpha) {
+    if (!slip->follower_has_inertia) return (Loads){force, 0.0};
+    const InertiaParams *i = &slip->params->inertia;
+    return (Loads){
+        force + i->follower_mass * (k->dz_dtheta.value * alpha + k->d2z_dtheta2.value * omega * omega),
+        i->follower * (k->dpsi_dtheta[0].value * alpha + k->d2gamma_dtheta2.value * omega * omega),
+    };
+}
 
 /* The terms of the equation of motion that the factors multiply. */
 typedef struct {
@@ -20,14 +36,6 @@ static inline double residual_change(const SlipMode *slip, const SlipCoefficient
     const double inertia_by_speed_by = m * by->p * k->d2z_dtheta2.value + I * by->q * k->d2gamma_dtheta2.value;
     return by->delta * t->torque - by->p * t->load - inertia_by_speed_by * (t->omega * t->omega) -
            inertia_by * t->alpha;
-}
-
-/* N/m: the change of x_i, if the factors change by `by`; x_i = (r n A -+ d W)/Delta with n and d of the other
- * contact. */
-static inline double contact_load_by_factors(const SlipCoefficients *k, const ContactFactors *by, int i, double axial,
-                                             double moment, double x) {
-    const double signed_d = i == 0 ? -by->d[1 - i] : by->d[1 - i];
-    return (by->rn[1 - i] * axial + signed_d * moment - x * by->delta) / k->factors.delta.value;
 }
 
 #endif

@@ -67,39 +67,33 @@ static AxialForce axial_force(const SlipMode *slip, const SlipCoefficients *k, d
 }
 
 /* Sliding distance of contact i per angle of cam 2, m: psi_i' hypot(r_i, a_i). The sliding speed v_i is that times
- * sigma omega, the nominal load N_i is that times |F|/(n r_i) (model/friction_law.h). */
+ * sigma omega. */
 static Dual sliding_of(const SlipMode *slip, const SlipCoefficients *k, int i) {
     const double r = slip->params->cam[i].radius, a = k->slope[i].value, length = sqrt(r * r + a * a);
     return dual_multiply(k->dpsi_dtheta[i], (Dual){length, a * k->slope[i].slope / length});
 }
 
 void slip_set_friction(const SlipMode *slip, double omega, double z, double F_ext, SlipCoefficients *k) {
-    const Params *p = slip->params;
     const double rate = slip->regime == REGIME_RATE_INDEPENDENT ? 0.0 : omega, speed = slip->direction * rate;
     const AxialForce force = axial_force(slip, k, rate, z, F_ext);
     const double load = fabs(force.value), side = force.value < 0.0 ? -1.0 : 1.0;
-    double radius[2], slope[2];
     for (int i = 0; i < 2; i++) {
-        const double r = p->cam[i].radius, per_sliding = 1.0 / (p->contacts * r),
-                     sign = slip->direction * slip->flank[i];
+        const CamParams *cam = &slip->params->cam[i];
+        const double per_sliding = slip_load_per_sliding(slip, i), sign = slip->direction * slip->flank[i];
         const Dual sliding = sliding_of(slip, k, i);
-        const FrictionCoefficient mu =
-            friction_at(&p->cam[i], speed * sliding.value, load * per_sliding * sliding.value);
+        const FrictionCoefficient mu = friction_at(cam, speed * sliding.value, load * per_sliding * sliding.value);
         const double by_sliding = sign * (mu.by_speed * speed + mu.by_load * load * per_sliding);
         const double by_force = sign * mu.by_load * side * per_sliding * sliding.value;
         const double by_speed = slip->regime == REGIME_RATE_INDEPENDENT ? 0.0 : sign * mu.by_speed * slip->direction;
         const Dual f = {sign * mu.value, by_sliding * sliding.slope + by_force * force.by_theta};
-        radius[i] = r;
-        slope[i] = k->slope[i].value;
         k->friction[i] = f.value;
         k->dfriction_domega[i] = by_speed * sliding.value + by_force * force.by_omega;
         k->dfriction_dload[i] = by_force;
-        dual_contact_factors_set_varying(&k->factors, i, r, f, k->slope[i]);
+        dual_contact_factors_set_varying(&k->factors, i, cam->radius, f, k->slope[i]);
     }
     dual_contact_factors_multiply(&k->factors);
-    const ContactFactors values = dual_contact_factors_values(&k->factors);
-    k->dfactors_domega = contact_factors_change(&values, radius, slope, k->dfriction_domega);
-    k->dfactors_dload = contact_factors_change(&values, radius, slope, k->dfriction_dload);
+    k->dfactors_domega = slip_factors_by(slip, k, k->dfriction_domega);
+    k->dfactors_dload = slip_factors_by(slip, k, k->dfriction_dload);
 }
 
 NOINLINE InputValues input_values_at(const Inputs *in, double t) {

@@ -15,8 +15,8 @@
 #include "geometry/transmission.h"
 #include "model/friction_law.h"
 #include "model/inputs.h"
+#include "model/mode.h"
 #include "model/params.h"
-#include "model/regime.h"
 #include "model/work.h"
 
 /* Grooves and friction at one theta and speed, with derivatives by theta at constant speed. */
@@ -84,6 +84,19 @@ static inline const SlipCoefficients *slip_coefficients_at(const SlipMode *slip,
     return storage;
 }
 
+/* The change of the factors, to first order, if f_i change by `df`. */
+static inline ContactFactors slip_factors_by(const SlipMode *slip, const SlipCoefficients *k, const double df[2]) {
+    const CamParams *cam = slip->params->cam;
+    const double radius[2] = {cam[0].radius, cam[1].radius}, slope[2] = {k->slope[0].value, k->slope[1].value};
+    const ContactFactors values = dual_contact_factors_values(&k->factors);
+    return contact_factors_change(&values, radius, slope, df);
+}
+
+/* 1/m: the nominal load N_i (model/friction_law.h) per axial force and per sliding distance psi_i' hypot(r_i, a_i). */
+static inline double slip_load_per_sliding(const SlipMode *slip, int i) {
+    return 1.0 / (slip->params->contacts * slip->params->cam[i].radius);
+}
+
 /* Counts evaluations of the balance. */
 static inline void slip_count(const SlipMode *slip, int evaluations) {
     work_add(slip->work, evaluations);
@@ -125,21 +138,6 @@ static inline Dual slip_inertia(const SlipMode *slip, const SlipCoefficients *k)
     if (!slip->follower_has_inertia) return shaft;
     return dual_add(shaft, dual_add(dual_multiply(dual_scale(i->follower_mass, f->p), k->dz_dtheta),
                                     dual_multiply(dual_scale(i->follower, f->q), k->dpsi_dtheta[0])));
-}
-
-/* Without inertia: the derivative of the resisting torque times Delta by omega, b Delta + P z' dD/dv. */
-static inline double slip_viscous_rate(const SlipMode *slip, const SlipCoefficients *k, double omega) {
-    const double dz_dtheta = k->dz_dtheta.value;
-    return slip->params->shaft.damping * k->factors.delta.value +
-           k->factors.p.value * dz_dtheta * slip_damper_rate(slip, dz_dtheta * omega);
-}
-
-/* m: dE/dF_0 of the edge E = rho F_0 of the stick band, which is rho unless friction depends on the load. */
-static inline double slip_edge_rate(const SlipMode *slip, const SlipCoefficients *k, double F_0) {
-    const double rho = k->factors.p.value / k->factors.delta.value;
-    if (!slip->friction_varies) return rho;
-    const ContactFactors *by = &k->dfactors_dload;
-    return rho + F_0 * (by->p - rho * by->delta) / k->factors.delta.value;
 }
 
 /* P m z'' + Q I gamma'', the factor of omega^2. */

@@ -178,17 +178,12 @@ static bool accepts_text(const Instance *instance, const char *function, const V
                            value != NULL ? value : "NULL", variable_range(variable).text);
 }
 
-static bool are_good_inputs(const ValueReference vr[], size_t n, const double value[]) {
+static bool are_good_inputs(const Instance *instance, const ValueReference vr[], size_t n, const double value[]) {
     for (size_t i = 0; i < n; i++) {
         const Variable *variable = variable_find(vr[i]);
-        if (variable == NULL || variable->group != GROUP_INPUTS || !isfinite(value[i])) return false;
+        if (variable == NULL || variable->group != GROUP_INPUTS || !isfinite(value[i]) || !is_sampled(instance, vr[i]))
+            return false;
     }
-    return true;
-}
-
-static bool are_sampled(const Instance *instance, const ValueReference vr[], size_t n) {
-    for (size_t i = 0; i < n; i++)
-        if (!is_sampled(instance, vr[i])) return false;
     return true;
 }
 
@@ -264,9 +259,7 @@ NOINLINE static bool set_any_reals(Instance *instance, const char *function, con
 bool access_set_reals(Instance *instance, const char *function, const ValueReference vr[], size_t n,
                       const double value[]) {
     if (!can_set(instance, function, vr, n, value)) return false;
-    const bool inside_step = instance->run.phase == PHASE_INTERMEDIATE_INPUTS;
-    if (!are_good_inputs(vr, n, value) || (inside_step && !are_sampled(instance, vr, n)))
-        return set_any_reals(instance, function, vr, n, value);
+    if (!are_good_inputs(instance, vr, n, value)) return set_any_reals(instance, function, vr, n, value);
     write_reals(&instance->values, vr, n, value);
     instance_invalidate(instance);
     return true;

@@ -141,34 +141,20 @@ static bool compute_jacobian(Instance *instance, const char *function, const Jac
     return instance_provide(instance, function, GROUP_STATE) && compute_partials(instance, function, j, partials);
 }
 
-bool derivatives_directional(Instance *instance, const char *function, const Jacobian *j, const double seed[],
-                             double product[]) {
+bool derivatives_product(Instance *instance, const char *function, const Jacobian *j, bool transposed,
+                         const double seed[], double product[]) {
+    const ValueReference *from = transposed ? j->unknown : j->known, *to = transposed ? j->known : j->unknown;
+    const size_t seeds = transposed ? j->unknowns : j->knowns, products = transposed ? j->knowns : j->unknowns;
     UnknownPartials partials;
-    if (!compute_jacobian(instance, function, j, &partials) ||
-        !are_seeds(instance, function, j->known, j->knowns, seed) ||
-        !instance_has_array(instance, function, j->unknowns, product, "sensitivity"))
+    if (!compute_jacobian(instance, function, j, &partials) || !are_seeds(instance, function, from, seeds, seed) ||
+        !instance_has_array(instance, function, products, product, "sensitivity"))
         return false;
     const HostArithmetic host = arithmetic_begin();
-    for (size_t i = 0; i < j->unknowns; i++) {
+    for (size_t i = 0; i < products; i++) {
         product[i] = 0.0;
-        for (size_t k = 0; k < j->knowns; k++) product[i] += entry(j, &partials, i, k) * seed[k];
+        for (size_t k = 0; k < seeds; k++)
+            product[i] += (transposed ? entry(j, &partials, k, i) : entry(j, &partials, i, k)) * seed[k];
     }
     arithmetic_end(host);
-    return access_are_numbers(instance, function, j->unknown, j->unknowns, product);
-}
-
-bool derivatives_adjoint(Instance *instance, const char *function, const Jacobian *j, const double seed[],
-                         double product[]) {
-    UnknownPartials partials;
-    if (!compute_jacobian(instance, function, j, &partials) ||
-        !are_seeds(instance, function, j->unknown, j->unknowns, seed) ||
-        !instance_has_array(instance, function, j->knowns, product, "sensitivity"))
-        return false;
-    const HostArithmetic host = arithmetic_begin();
-    for (size_t k = 0; k < j->knowns; k++) {
-        product[k] = 0.0;
-        for (size_t i = 0; i < j->unknowns; i++) product[k] += seed[i] * entry(j, &partials, i, k);
-    }
-    arithmetic_end(host);
-    return access_are_numbers(instance, function, j->known, j->knowns, product);
+    return access_are_numbers(instance, function, to, products, product);
 }

@@ -22,12 +22,9 @@ typedef struct {
     size_t unknowns, knowns;
 } Jacobian;
 
-/* product = Jacobian times seed: one seed for each known, one product for each unknown. */
-bool derivatives_directional(Instance *instance, const char *function, const Jacobian *jacobian, const double seed[],
-                             double product[]);
-
-/* product = transposed Jacobian times seed: one seed for each unknown, one product for each known. */
-bool derivatives_adjoint(Instance *instance, const char *function, const Jacobian *jacobian, const double seed[],
-                         double product[]);
+/* product = Jacobian, or transposed Jacobian, times seed: one seed for each known and one product for each unknown, or the
+ * other way round. */
+bool derivatives_product(Instance *instance, const char *function, const Jacobian *jacobian, bool transposed,
+                         const double seed[], double product[]);
 
 #endif

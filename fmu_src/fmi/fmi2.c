@@ -62,15 +62,6 @@ fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2Str
     return instance_new(&request, &log);
 }
 
-void fmi2FreeInstance(fmi2Component c) {
-    instance_free(c);
-}
-
-fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean loggingOn, size_t nCategories,
-                               const fmi2String categories[]) {
-    return status_of(instance_set_logging(c, __func__, loggingOn != fmi2False, nCategories, categories));
-}
-
 fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean toleranceDefined, fmi2Real tolerance, fmi2Real startTime,
                                fmi2Boolean stopTimeDefined, fmi2Real stopTime) {
     return status_of(instance_setup(c, __func__, toleranceDefined != fmi2False ? &tolerance : NULL, startTime,
@@ -79,20 +70,6 @@ fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean toleranceDefined, fm
 
 fmi2Status fmi2EnterInitializationMode(fmi2Component c) {
     return status_of(instance_change_phase(c, __func__, PHASE_INSTANTIATED, PHASE_INITIALIZATION));
-}
-
-fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
-    return status_of(instance_exit_initialization(c, __func__));
-}
-
-fmi2Status fmi2Terminate(fmi2Component c) {
-    return status_of(instance_change_phase(c, __func__, PHASES_RUNNING, PHASE_TERMINATED));
-}
-
-fmi2Status fmi2Reset(fmi2Component c) {
-    if (c == NULL) return fmi2Error;
-    instance_reset(c);
-    return fmi2OK;
 }
 
 /* ---- variables ---- */
@@ -142,30 +119,10 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReferenc
                                         const fmi2ValueReference vKnown_ref[], size_t nKnown, const fmi2Real dvKnown[],
                                         fmi2Real dvUnknown[]) {
     const Jacobian jacobian = {vUnknown_ref, vKnown_ref, nUnknown, nKnown};
-    return status_of(derivatives_directional(c, __func__, &jacobian, dvKnown, dvUnknown));
+    return status_of(derivatives_product(c, __func__, &jacobian, false, dvKnown, dvUnknown));
 }
 
 /* ---- states ---- */
-
-fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *FMUstate) {
-    return status_of(fmu_state_get(c, __func__, FMUstate));
-}
-
-fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate FMUstate) {
-    return status_of(fmu_state_set(c, __func__, FMUstate));
-}
-
-fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *FMUstate) {
-    return status_of(fmu_state_free(c, __func__, FMUstate));
-}
-
-fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate FMUstate, size_t *size) {
-    return status_of(fmu_state_size(c, __func__, FMUstate, size));
-}
-
-fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate FMUstate, fmi2Byte serializedState[], size_t size) {
-    return status_of(fmu_state_serialize(c, __func__, FMUstate, serializedState, size));
-}
 
 fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte serializedState[], size_t size,
                                    fmi2FMUstate *FMUstate) {
@@ -188,7 +145,8 @@ fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReferenc
 fmi2Status fmi2DoStep(fmi2Component c, fmi2Real currentCommunicationPoint, fmi2Real communicationStepSize,
                       fmi2Boolean noSetFMUStatePriorToCurrentPoint) {
     (void)noSetFMUStatePriorToCurrentPoint;
-    return status_of(simulation_step(c, __func__, currentCommunicationPoint, communicationStepSize));
+    StepEnd end;
+    return status_of(simulation_step(c, __func__, currentCommunicationPoint, communicationStepSize, NULL, &end));
 }
 
 /* fmi2DoStep returns when the step is done, so no step is ever pending. */
@@ -269,36 +227,13 @@ fmi2Status fmi2EnterContinuousTimeMode(fmi2Component c) {
     return status_of(instance_change_phase(c, __func__, PHASE_EVENT, PHASE_CONTINUOUS));
 }
 
-fmi2Status fmi2CompletedIntegratorStep(fmi2Component c, fmi2Boolean noSetFMUStatePriorToCurrentPoint,
-                                       fmi2Boolean *enterEventMode, fmi2Boolean *terminateSimulation) {
-    (void)noSetFMUStatePriorToCurrentPoint;
-    if (c == NULL || !instance_has_pointer(c, __func__, enterEventMode, "enterEventMode") ||
-        !instance_has_pointer(c, __func__, terminateSimulation, "terminateSimulation") ||
-        !simulation_complete_integrator_step(c, __func__))
-        return fmi2Error;
-    *enterEventMode = *terminateSimulation = fmi2False;
-    return fmi2OK;
-}
-
 /* FMI 2.0.1 allows the call in event mode to FMUs without continuous states alone; FMI 2.0 allowed it to all. */
 fmi2Status fmi2SetTime(fmi2Component c, fmi2Real time) {
     return status_of(simulation_set_time(c, __func__, PHASE_CONTINUOUS | PHASE_EVENT, time));
 }
 
-fmi2Status fmi2SetContinuousStates(fmi2Component c, const fmi2Real x[], size_t nx) {
-    return status_of(simulation_set_states(c, __func__, x, nx));
-}
-
-fmi2Status fmi2GetContinuousStates(fmi2Component c, fmi2Real x[], size_t nx) {
-    return status_of(simulation_get_states(c, __func__, x, nx));
-}
-
 fmi2Status fmi2GetDerivatives(fmi2Component c, fmi2Real derivatives[], size_t nx) {
     return status_of(simulation_get_derivatives(c, __func__, derivatives, nx));
-}
-
-fmi2Status fmi2GetEventIndicators(fmi2Component c, fmi2Real eventIndicators[], size_t ni) {
-    return status_of(simulation_get_indicators(c, __func__, eventIndicators, ni));
 }
 
 fmi2Status fmi2GetNominalsOfContinuousStates(fmi2Component c, fmi2Real x_nominal[], size_t nx) {

@@ -90,17 +90,6 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
     return instance_new(&request, &log);
 }
 
-/* Refused inside a step: the step needs the instance until it returns. */
-void fmi3FreeInstance(fmi3Instance instance) {
-    if (instance == NULL || !instance_is_in(instance, __func__, ~(unsigned)PHASES_INSIDE_STEP)) return;
-    instance_free(instance);
-}
-
-fmi3Status fmi3SetDebugLogging(fmi3Instance instance, fmi3Boolean loggingOn, size_t nCategories,
-                               const fmi3String categories[]) {
-    return status_of(instance_set_logging(instance, __func__, loggingOn, nCategories, categories));
-}
-
 fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean toleranceDefined, fmi3Float64 tolerance,
                                        fmi3Float64 startTime, fmi3Boolean stopTimeDefined, fmi3Float64 stopTime) {
     return status_of(instance_setup(instance, __func__, toleranceDefined ? &tolerance : NULL, startTime,
@@ -108,42 +97,7 @@ fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean tolera
                      instance_change_phase(instance, __func__, PHASE_INSTANTIATED, PHASE_INITIALIZATION));
 }
 
-fmi3Status fmi3ExitInitializationMode(fmi3Instance instance) {
-    return status_of(instance_exit_initialization(instance, __func__));
-}
-
-fmi3Status fmi3Terminate(fmi3Instance instance) {
-    return status_of(instance_change_phase(instance, __func__, PHASES_RUNNING, PHASE_TERMINATED));
-}
-
-fmi3Status fmi3Reset(fmi3Instance instance) {
-    if (!instance_is_in(instance, __func__, ~(unsigned)PHASES_INSIDE_STEP)) return fmi3Error;
-    instance_reset(instance);
-    return fmi3OK;
-}
-
 /* ---- states ---- */
-
-fmi3Status fmi3GetFMUState(fmi3Instance instance, fmi3FMUState *FMUState) {
-    return status_of(fmu_state_get(instance, __func__, FMUState));
-}
-
-fmi3Status fmi3SetFMUState(fmi3Instance instance, fmi3FMUState FMUState) {
-    return status_of(fmu_state_set(instance, __func__, FMUState));
-}
-
-fmi3Status fmi3FreeFMUState(fmi3Instance instance, fmi3FMUState *FMUState) {
-    return status_of(fmu_state_free(instance, __func__, FMUState));
-}
-
-fmi3Status fmi3SerializedFMUStateSize(fmi3Instance instance, fmi3FMUState FMUState, size_t *size) {
-    return status_of(fmu_state_size(instance, __func__, FMUState, size));
-}
-
-fmi3Status fmi3SerializeFMUState(fmi3Instance instance, fmi3FMUState FMUState, fmi3Byte serializedState[],
-                                 size_t size) {
-    return status_of(fmu_state_serialize(instance, __func__, FMUState, serializedState, size));
-}
 
 fmi3Status fmi3DeserializeFMUState(fmi3Instance instance, const fmi3Byte serializedState[], size_t size,
                                    fmi3FMUState *FMUState) {
@@ -172,8 +126,8 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 currentCommunicationPoi
         !instance_has_pointer(me, __func__, terminateSimulation, "terminateSimulation") ||
         !instance_has_pointer(me, __func__, earlyReturn, "earlyReturn") ||
         !instance_has_pointer(me, __func__, lastSuccessfulTime, "lastSuccessfulTime") ||
-        !simulation_step_with_updates(me, __func__, currentCommunicationPoint, communicationStepSize,
-                                      me->intermediate.callback != NULL ? intermediate_update : NULL, &end))
+        !simulation_step(me, __func__, currentCommunicationPoint, communicationStepSize,
+                         me->intermediate.callback != NULL ? intermediate_update : NULL, &end))
         return fmi3Error;
     *eventHandlingNeeded = end.event;
     *terminateSimulation = fmi3False;
@@ -228,37 +182,13 @@ fmi3Status fmi3EnterContinuousTimeMode(fmi3Instance instance) {
                      instance_change_phase(instance, __func__, PHASE_EVENT, PHASE_CONTINUOUS));
 }
 
-fmi3Status fmi3CompletedIntegratorStep(fmi3Instance instance, fmi3Boolean noSetFMUStatePriorToCurrentPoint,
-                                       fmi3Boolean *enterEventMode, fmi3Boolean *terminateSimulation) {
-    (void)noSetFMUStatePriorToCurrentPoint;
-    if (instance == NULL || !instance_has_pointer(instance, __func__, enterEventMode, "enterEventMode") ||
-        !instance_has_pointer(instance, __func__, terminateSimulation, "terminateSimulation") ||
-        !simulation_complete_integrator_step(instance, __func__))
-        return fmi3Error;
-    *enterEventMode = *terminateSimulation = fmi3False;
-    return fmi3OK;
-}
-
 fmi3Status fmi3SetTime(fmi3Instance instance, fmi3Float64 time) {
     return status_of(simulation_set_time(instance, __func__, PHASE_CONTINUOUS, time));
-}
-
-fmi3Status fmi3SetContinuousStates(fmi3Instance instance, const fmi3Float64 continuousStates[],
-                                   size_t nContinuousStates) {
-    return status_of(simulation_set_states(instance, __func__, continuousStates, nContinuousStates));
-}
-
-fmi3Status fmi3GetContinuousStates(fmi3Instance instance, fmi3Float64 continuousStates[], size_t nContinuousStates) {
-    return status_of(simulation_get_states(instance, __func__, continuousStates, nContinuousStates));
 }
 
 fmi3Status fmi3GetContinuousStateDerivatives(fmi3Instance instance, fmi3Float64 derivatives[],
                                              size_t nContinuousStates) {
     return status_of(simulation_get_derivatives(instance, __func__, derivatives, nContinuousStates));
-}
-
-fmi3Status fmi3GetEventIndicators(fmi3Instance instance, fmi3Float64 eventIndicators[], size_t nEventIndicators) {
-    return status_of(simulation_get_indicators(instance, __func__, eventIndicators, nEventIndicators));
 }
 
 fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance instance, fmi3Float64 nominals[], size_t nContinuousStates) {

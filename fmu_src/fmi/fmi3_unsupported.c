@@ -53,178 +53,45 @@ static fmi3Status refuse_type(const Instance *instance, const char *function, si
                                                function));
 }
 
-fmi3Status fmi3GetFloat32(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
-                          fmi3Float32 values[], size_t nValues) {
-    (void)valueReferences, (void)values, (void)nValues;
-    return refuse_type(instance, __func__, nValueReferences);
-}
+/* `unused`: casts to void of the parameters in `...`. */
+#define REFUSE(name, unused, ...)                                                                                      \
+    fmi3Status name(fmi3Instance instance, const fmi3ValueReference vr[], size_t n, __VA_ARGS__) {                     \
+        (void)vr, unused;                                                                                              \
+        return refuse_type(instance, __func__, n);                                                                     \
+    }
 
-fmi3Status fmi3SetFloat32(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
-                          const fmi3Float32 values[], size_t nValues) {
-    (void)valueReferences, (void)values, (void)nValues;
-    return refuse_type(instance, __func__, nValueReferences);
-}
+#define REFUSE_TYPE(type)                                                                                              \
+    REFUSE(fmi3Get##type, ((void)values, (void)count), fmi3##type values[], size_t count)                              \
+    REFUSE(fmi3Set##type, ((void)values, (void)count), const fmi3##type values[], size_t count)
 
-fmi3Status fmi3GetInt8(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
-                       fmi3Int8 values[], size_t nValues) {
-    (void)valueReferences, (void)values, (void)nValues;
-    return refuse_type(instance, __func__, nValueReferences);
-}
-
-fmi3Status fmi3SetInt8(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
-                       const fmi3Int8 values[], size_t nValues) {
-    (void)valueReferences, (void)values, (void)nValues;
-    return refuse_type(instance, __func__, nValueReferences);
-}
-
-fmi3Status fmi3GetUInt8(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
-                        fmi3UInt8 values[], size_t nValues) {
-    (void)valueReferences, (void)values, (void)nValues;
-    return refuse_type(instance, __func__, nValueReferences);
-}
-
-fmi3Status fmi3SetUInt8(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
-                        const fmi3UInt8 values[], size_t nValues) {
-    (void)valueReferences, (void)values, (void)nValues;
-    return refuse_type(instance, __func__, nValueReferences);
-}
-
-fmi3Status fmi3GetInt16(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
-                        fmi3Int16 values[], size_t nValues) {
-    (void)valueReferences, (void)values, (void)nValues;
-    return refuse_type(instance, __func__, nValueReferences);
-}
-
-fmi3Status fmi3SetInt16(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
-                        const fmi3Int16 values[], size_t nValues) {
-    (void)valueReferences, (void)values, (void)nValues;
-    return refuse_type(instance, __func__, nValueReferences);
-}
-
-fmi3Status fmi3GetUInt16(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
-                         fmi3UInt16 values[], size_t nValues) {
-    (void)valueReferences, (void)values, (void)nValues;
-    return refuse_type(instance, __func__, nValueReferences);
-}
-
-fmi3Status fmi3SetUInt16(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
-                         const fmi3UInt16 values[], size_t nValues) {
-    (void)valueReferences, (void)values, (void)nValues;
-    return refuse_type(instance, __func__, nValueReferences);
-}
-
-fmi3Status fmi3GetUInt32(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
-                         fmi3UInt32 values[], size_t nValues) {
-    (void)valueReferences, (void)values, (void)nValues;
-    return refuse_type(instance, __func__, nValueReferences);
-}
-
-fmi3Status fmi3SetUInt32(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
-                         const fmi3UInt32 values[], size_t nValues) {
-    (void)valueReferences, (void)values, (void)nValues;
-    return refuse_type(instance, __func__, nValueReferences);
-}
-
-fmi3Status fmi3GetInt64(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
-                        fmi3Int64 values[], size_t nValues) {
-    (void)valueReferences, (void)values, (void)nValues;
-    return refuse_type(instance, __func__, nValueReferences);
-}
-
-fmi3Status fmi3SetInt64(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
-                        const fmi3Int64 values[], size_t nValues) {
-    (void)valueReferences, (void)values, (void)nValues;
-    return refuse_type(instance, __func__, nValueReferences);
-}
-
-fmi3Status fmi3GetUInt64(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
-                         fmi3UInt64 values[], size_t nValues) {
-    (void)valueReferences, (void)values, (void)nValues;
-    return refuse_type(instance, __func__, nValueReferences);
-}
-
-fmi3Status fmi3SetUInt64(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
-                         const fmi3UInt64 values[], size_t nValues) {
-    (void)valueReferences, (void)values, (void)nValues;
-    return refuse_type(instance, __func__, nValueReferences);
-}
-
-fmi3Status fmi3GetBinary(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
-                         size_t valueSizes[], fmi3Binary values[], size_t nValues) {
-    (void)valueReferences, (void)valueSizes, (void)values, (void)nValues;
-    return refuse_type(instance, __func__, nValueReferences);
-}
-
-fmi3Status fmi3SetBinary(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
-                         const size_t valueSizes[], const fmi3Binary values[], size_t nValues) {
-    (void)valueReferences, (void)valueSizes, (void)values, (void)nValues;
-    return refuse_type(instance, __func__, nValueReferences);
-}
+REFUSE_TYPE(Float32)
+REFUSE_TYPE(Int8)
+REFUSE_TYPE(UInt8)
+REFUSE_TYPE(Int16)
+REFUSE_TYPE(UInt16)
+REFUSE_TYPE(UInt32)
+REFUSE_TYPE(Int64)
+REFUSE_TYPE(UInt64)
+REFUSE(fmi3GetBinary, ((void)sizes, (void)values, (void)count), size_t sizes[], fmi3Binary values[], size_t count)
+REFUSE(fmi3SetBinary, ((void)sizes, (void)values, (void)count), const size_t sizes[], const fmi3Binary values[],
+       size_t count)
 
 /* ---- clocks ---- */
 
-fmi3Status fmi3GetClock(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
-                        fmi3Clock values[]) {
-    (void)valueReferences, (void)values;
-    return refuse_type(instance, __func__, nValueReferences);
-}
-
-fmi3Status fmi3SetClock(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
-                        const fmi3Clock values[]) {
-    (void)valueReferences, (void)values;
-    return refuse_type(instance, __func__, nValueReferences);
-}
-
-fmi3Status fmi3GetIntervalDecimal(fmi3Instance instance, const fmi3ValueReference valueReferences[],
-                                  size_t nValueReferences, fmi3Float64 intervals[],
-                                  fmi3IntervalQualifier qualifiers[]) {
-    (void)valueReferences, (void)intervals, (void)qualifiers;
-    return refuse_type(instance, __func__, nValueReferences);
-}
-
-fmi3Status fmi3GetIntervalFraction(fmi3Instance instance, const fmi3ValueReference valueReferences[],
-                                   size_t nValueReferences, fmi3UInt64 counters[], fmi3UInt64 resolutions[],
-                                   fmi3IntervalQualifier qualifiers[]) {
-    (void)valueReferences, (void)counters, (void)resolutions, (void)qualifiers;
-    return refuse_type(instance, __func__, nValueReferences);
-}
-
-fmi3Status fmi3GetShiftDecimal(fmi3Instance instance, const fmi3ValueReference valueReferences[],
-                               size_t nValueReferences, fmi3Float64 shifts[]) {
-    (void)valueReferences, (void)shifts;
-    return refuse_type(instance, __func__, nValueReferences);
-}
-
-fmi3Status fmi3GetShiftFraction(fmi3Instance instance, const fmi3ValueReference valueReferences[],
-                                size_t nValueReferences, fmi3UInt64 counters[], fmi3UInt64 resolutions[]) {
-    (void)valueReferences, (void)counters, (void)resolutions;
-    return refuse_type(instance, __func__, nValueReferences);
-}
-
-fmi3Status fmi3SetIntervalDecimal(fmi3Instance instance, const fmi3ValueReference valueReferences[],
-                                  size_t nValueReferences, const fmi3Float64 intervals[]) {
-    (void)valueReferences, (void)intervals;
-    return refuse_type(instance, __func__, nValueReferences);
-}
-
-fmi3Status fmi3SetIntervalFraction(fmi3Instance instance, const fmi3ValueReference valueReferences[],
-                                   size_t nValueReferences, const fmi3UInt64 counters[],
-                                   const fmi3UInt64 resolutions[]) {
-    (void)valueReferences, (void)counters, (void)resolutions;
-    return refuse_type(instance, __func__, nValueReferences);
-}
-
-fmi3Status fmi3SetShiftDecimal(fmi3Instance instance, const fmi3ValueReference valueReferences[],
-                               size_t nValueReferences, const fmi3Float64 shifts[]) {
-    (void)valueReferences, (void)shifts;
-    return refuse_type(instance, __func__, nValueReferences);
-}
-
-fmi3Status fmi3SetShiftFraction(fmi3Instance instance, const fmi3ValueReference valueReferences[],
-                                size_t nValueReferences, const fmi3UInt64 counters[], const fmi3UInt64 resolutions[]) {
-    (void)valueReferences, (void)counters, (void)resolutions;
-    return refuse_type(instance, __func__, nValueReferences);
-}
+REFUSE(fmi3GetClock, (void)values, fmi3Clock values[])
+REFUSE(fmi3SetClock, (void)values, const fmi3Clock values[])
+REFUSE(fmi3GetIntervalDecimal, ((void)values, (void)qualifiers), fmi3Float64 values[],
+       fmi3IntervalQualifier qualifiers[])
+REFUSE(fmi3SetIntervalDecimal, (void)values, const fmi3Float64 values[])
+REFUSE(fmi3GetIntervalFraction, ((void)counters, (void)resolutions, (void)qualifiers), fmi3UInt64 counters[],
+       fmi3UInt64 resolutions[], fmi3IntervalQualifier qualifiers[])
+REFUSE(fmi3SetIntervalFraction, ((void)counters, (void)resolutions), const fmi3UInt64 counters[],
+       const fmi3UInt64 resolutions[])
+REFUSE(fmi3GetShiftDecimal, (void)values, fmi3Float64 values[])
+REFUSE(fmi3SetShiftDecimal, (void)values, const fmi3Float64 values[])
+REFUSE(fmi3GetShiftFraction, ((void)counters, (void)resolutions), fmi3UInt64 counters[], fmi3UInt64 resolutions[])
+REFUSE(fmi3SetShiftFraction, ((void)counters, (void)resolutions), const fmi3UInt64 counters[],
+       const fmi3UInt64 resolutions[])
 
 fmi3Status fmi3ActivateModelPartition(fmi3Instance instance, fmi3ValueReference clockReference,
                                       fmi3Float64 activationTime) {

@@ -137,7 +137,7 @@ fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance, const fmi3ValueRe
     const Jacobian jacobian = {unknowns, knowns, nUnknowns, nKnowns};
     return status_of(is_count(instance, __func__, "nSeed", nSeed, nKnowns) &&
                      is_count(instance, __func__, "nSensitivity", nSensitivity, nUnknowns) &&
-                     derivatives_directional(instance, __func__, &jacobian, seed, sensitivity));
+                     derivatives_product(instance, __func__, &jacobian, false, seed, sensitivity));
 }
 
 fmi3Status fmi3GetAdjointDerivative(fmi3Instance instance, const fmi3ValueReference unknowns[], size_t nUnknowns,
@@ -146,7 +146,7 @@ fmi3Status fmi3GetAdjointDerivative(fmi3Instance instance, const fmi3ValueRefere
     const Jacobian jacobian = {unknowns, knowns, nUnknowns, nKnowns};
     return status_of(is_count(instance, __func__, "nSeed", nSeed, nUnknowns) &&
                      is_count(instance, __func__, "nSensitivity", nSensitivity, nKnowns) &&
-                     derivatives_adjoint(instance, __func__, &jacobian, seed, sensitivity));
+                     derivatives_product(instance, __func__, &jacobian, true, seed, sensitivity));
 }
 
 fmi3Status fmi3GetOutputDerivatives(fmi3Instance instance, const fmi3ValueReference valueReferences[],

@@ -24,8 +24,13 @@ enum { MAX_OUTPUT_ORDER = 2 }; /* highest time derivative of an output */
 #endif
 
 #if MODEL_BUILT == MODEL_FORWARD
-#include "forward/ode.h"
-#include "forward/state.h"
+#include "forward/lifecycle.h"
+#include "outputs/ode.h"
+#include "outputs/outputs.h"
+#define model_start mechanism_start
+#define model_rebuild mechanism_rebuild
+#define model_retune mechanism_retune
+#define model_free mechanism_free
 typedef Mechanism FmuModel;
 typedef Inputs ModelInputs;
 typedef State ModelState;
@@ -36,6 +41,10 @@ enum { MODEL_UNKNOWNS = 5 }; /* number of variables that have partial derivative
 enum { CONTINUOUS_STATES = ODE_STATES, EVENT_INDICATORS = ODE_INDICATORS }; /* of model exchange */
 #elif MODEL_BUILT == MODEL_INVERSE
 #include "inverse/inverse.h"
+#define model_start inverse_start
+#define model_rebuild inverse_rebuild
+#define model_retune inverse_retune
+#define model_free inverse_free
 typedef Inverse FmuModel;
 typedef InverseInputs ModelInputs;
 typedef InverseState ModelState;
@@ -49,25 +58,10 @@ enum { CONTINUOUS_STATES = 0, EVENT_INDICATORS = 1 };
 
 /* Where these functions return false, `fault` says why and the model is as before. */
 
-/* Checks m->params, builds the transmission and sets the state to its start. */
-bool model_start(FmuModel *m, Fault *fault);
-
-/* Builds the transmission. To be called after params, inputs and state were replaced from a snapshot. */
-bool model_rebuild(FmuModel *m, Fault *fault);
-
-/* Replaces m->params at a communication point. Only tunable parameters may differ. */
-bool model_retune(FmuModel *m, const Params *params, Fault *fault);
-
-/* Frees the memory of the model. Safe on a zeroed model, and twice. */
-void model_free(FmuModel *m);
-
 /* A step of h > 0 seconds; m->inputs then hold their values at the end. Bit r of `derivatives_given`: derivatives of
- * the input with value reference r are given for this step. */
-bool model_advance(FmuModel *m, double h, unsigned derivatives_given, Fault *fault);
-
-/* The same with a watcher of mode changes (mechanism_advance_watched()). A model that does not return early tells the
- * watcher at the end of the step. */
-bool model_advance_watched(FmuModel *m, double h, unsigned derivatives_given, Watcher *watcher, Fault *fault);
+ * the input with value reference r are given for this step. `watcher`: of mode changes (mechanism_advance()), or NULL.
+ * A model that does not return early tells the watcher at the end of the step. */
+bool model_advance(FmuModel *m, double h, unsigned derivatives_given, Watcher *watcher, Fault *fault);
 
 /* Sets all derivatives of the inputs to zero. */
 void model_clear_input_derivatives(ModelInputs *inputs);

@@ -4,36 +4,14 @@
 
 #include "fmi/variables.h"
 #include "forward/configuration.h"
-#include "forward/lifecycle.h"
-#include "forward/outputs.h"
 #include "forward/step.h"
+#include "outputs/outputs.h"
 #include "sensitivity/sensitivity.h"
 #include "sensitivity/step_sensitivity.h"
 
-bool model_start(FmuModel *m, Fault *fault) {
-    return mechanism_start(m, fault);
-}
-
-bool model_rebuild(FmuModel *m, Fault *fault) {
-    return mechanism_rebuild(m, fault);
-}
-
-bool model_retune(FmuModel *m, const Params *params, Fault *fault) {
-    return mechanism_retune(m, params, fault);
-}
-
-void model_free(FmuModel *m) {
-    mechanism_free(m);
-}
-
-bool model_advance(FmuModel *m, double h, unsigned derivatives_given, Fault *fault) {
+bool model_advance(FmuModel *m, double h, unsigned derivatives_given, Watcher *watcher, Fault *fault) {
     (void)derivatives_given; /* derivatives that are not given are zero */
-    return mechanism_advance(m, h, fault);
-}
-
-bool model_advance_watched(FmuModel *m, double h, unsigned derivatives_given, Watcher *watcher, Fault *fault) {
-    (void)derivatives_given;
-    return mechanism_advance_watched(m, h, watcher, fault);
+    return mechanism_advance(m, h, watcher, fault);
 }
 
 void model_clear_input_derivatives(Inputs *inputs) {

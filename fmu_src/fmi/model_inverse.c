@@ -3,23 +3,6 @@
 
 #include "fmi/variables.h"
 #include "sensitivity/inverse_derivatives.h"
-#include "sensitivity/inverse_sensitivity.h"
-
-bool model_start(FmuModel *m, Fault *fault) {
-    return inverse_start(m, fault);
-}
-
-bool model_rebuild(FmuModel *m, Fault *fault) {
-    return inverse_rebuild(m, fault);
-}
-
-bool model_retune(FmuModel *m, const Params *params, Fault *fault) {
-    return inverse_retune(m, params, fault);
-}
-
-void model_free(FmuModel *m) {
-    inverse_free(m);
-}
 
 static GivenInput given_by(unsigned derivatives_given) {
     if (derivatives_given >> VR_THETA & 1u) return GIVEN_THETA;
@@ -27,14 +10,10 @@ static GivenInput given_by(unsigned derivatives_given) {
     return derivatives_given >> VR_ALPHA & 1u ? GIVEN_ALPHA : GIVEN_ENDS;
 }
 
-bool model_advance(FmuModel *m, double h, unsigned derivatives_given, Fault *fault) {
-    return inverse_advance(m, h, given_by(derivatives_given), fault);
-}
-
-bool model_advance_watched(FmuModel *m, double h, unsigned derivatives_given, Watcher *watcher, Fault *fault) {
+bool model_advance(FmuModel *m, double h, unsigned derivatives_given, Watcher *watcher, Fault *fault) {
     const Mode before = m->state.mode;
-    if (!model_advance(m, h, derivatives_given, fault)) return false;
-    if (m->state.mode != before) (void)watcher->changed(watcher, 0.0);
+    if (!inverse_advance(m, h, given_by(derivatives_given), fault)) return false;
+    if (watcher != NULL && m->state.mode != before) (void)watcher->changed(watcher, 0.0);
     return true;
 }
 

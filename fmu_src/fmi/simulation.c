@@ -27,25 +27,6 @@ static bool is_step(const Instance *instance, const char *function, double t, do
                            shortest_decimal(t).text, shortest_decimal(time).text);
 }
 
-bool simulation_step(Instance *instance, const char *function, double t, double h) {
-    if (!instance_is_in(instance, function, PHASE_STEP) || !is_step(instance, function, t, h)) return false;
-    FmuModel *model = &instance->values.model;
-    const ModelInputs before = model->inputs;
-    if (instance->run.derivatives_given == 0) model_clear_input_derivatives(&model->inputs);
-    Fault fault;
-    const HostArithmetic host = arithmetic_begin();
-    const bool good = model_advance(model, h, instance->run.derivatives_given, &fault);
-    if (good) instance->run.time = t + h;
-    arithmetic_end(host);
-    if (!good) {
-        model->inputs = before;
-        return instance_refuse(instance, "%s: %s", function, fault.text);
-    }
-    instance->run.derivatives_given = 0;
-    instance_invalidate(instance);
-    return true;
-}
-
 /* ---- a step in which the master takes part ---- */
 
 typedef struct {
@@ -54,7 +35,7 @@ typedef struct {
     IntermediateUpdate *update;
     HostArithmetic host; /* in which the master's update runs */
     double begin, end;   /* s, of the step */
-    bool event;          /* the mode changes at the end */
+    bool early, event;   /* the step ends before its time; the mode changes at the end */
 } WatchedStep;
 
 /* Calls the master's update in this phase. Returns the end of the step, s. */
@@ -91,13 +72,14 @@ static double mode_changed(Watcher *watcher, double left) {
     const double end = step->end, now = max_of(end - left, step->begin);
     if (left > 0.0 && handles_events && instance->intermediate.early_return_allowed) step->end = now;
     else if (left > 0.0 && step->update != NULL) step->end = leave_for_update(step, now);
+    if (step->end != end) step->early = true;
     const double remaining = step->end == end ? left : min_of(step->end - now, left);
     step->event = remaining == 0.0;
     return remaining;
 }
 
 static double significant(double difference, double size) {
-    return fabs(difference) > SAMPLED_INPUT_ROUNDING * size ? difference : 0.0;
+    return fabs(difference) > INPUT_ROUNDING * size ? difference : 0.0;
 }
 
 /* Derivatives at the start of the cubic through u[0] to u[3], `third` seconds apart (Newton's forward differences). */
@@ -149,21 +131,20 @@ static bool sample_inputs(const WatchedStep *step, double t, double h, Fault *fa
 static bool advance(WatchedStep *step, double t, double h, Fault *fault) {
     Instance *instance = step->instance;
     FmuModel *model = &instance->values.model;
-    model_clear_input_derivatives(&model->inputs);
+    if (instance->run.derivatives_given == 0) model_clear_input_derivatives(&model->inputs);
     const bool samples = step->update != NULL && instance->intermediate.sampled_inputs != 0;
     if (samples && !sample_inputs(step, t, h, fault)) return false;
+    const bool watches = step->update != NULL || instance->run.interface_type == INTERFACE_HYBRID_CO_SIMULATION;
     step->host = arithmetic_begin();
-    const bool good = model_advance_watched(model, h, instance->run.derivatives_given, &step->watcher, fault);
+    step->end = t + h;
+    const bool good = model_advance(model, h, instance->run.derivatives_given, watches ? &step->watcher : NULL, fault);
     arithmetic_end(step->host);
     return good;
 }
 
-bool simulation_step_with_updates(Instance *instance, const char *function, double t, double h,
-                                  IntermediateUpdate *update, StepEnd *end) {
+bool simulation_step(Instance *instance, const char *function, double t, double h, IntermediateUpdate *update,
+                     StepEnd *end) {
     if (!instance_is_in(instance, function, PHASE_STEP) || !is_step(instance, function, t, h)) return false;
-    *end = (StepEnd){.time = t + h};
-    if (update == NULL && instance->run.interface_type == INTERFACE_CO_SIMULATION)
-        return simulation_step(instance, function, t, h);
     WatchedStep step = {
         .watcher = {.changed = mode_changed}, .instance = instance, .update = update, .begin = t, .end = t + h};
     const ModelInputs inputs = instance->values.model.inputs;
@@ -181,7 +162,7 @@ bool simulation_step_with_updates(Instance *instance, const char *function, doub
     if (update != NULL) (void)call_update(&step, step.end, PHASE_INTERMEDIATE_OUTPUTS);
     *end = (StepEnd){
         .time = step.end,
-        .early = step.end < t + h,
+        .early = step.early,
         .event = step.event && instance->run.interface_type == INTERFACE_HYBRID_CO_SIMULATION,
     };
     return true;

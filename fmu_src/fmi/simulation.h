@@ -7,9 +7,6 @@
 
 /* ---- co-simulation ---- */
 
-/* From time t, which is the instance's time to rounding, to exactly t + h. */
-bool simulation_step(Instance *instance, const char *function, double t, double h);
-
 /* An instant inside a step at which the master takes part. */
 typedef struct {
     double time;           /* s */
@@ -27,14 +24,15 @@ typedef struct {
     bool event;  /* the mode changed at the end of the step, and the master handles events */
 } StepEnd;
 
-/* A step in which the master takes part as Instance.intermediate says. If the master handles events and allows early
- * return, the step ends at the first mode change after its start. `update`, if not NULL, is called
+/* A step from time t, which is the instance's time to rounding, to exactly t + h, in which the master takes part as
+ * Instance.intermediate says. If the master handles events and allows early return, the step ends at the first mode
+ * change after its start. `update`, if not NULL, is called
  *   - at the thirds of the step and at its end for the sampled inputs, before anything moves: the inputs are then the
  *     cubics through these values and the present ones;
  *   - at each mode change inside the step, in order;
  *   - at the end of the step. */
-bool simulation_step_with_updates(Instance *instance, const char *function, double t, double h,
-                                  IntermediateUpdate *update, StepEnd *end);
+bool simulation_step(Instance *instance, const char *function, double t, double h, IntermediateUpdate *update,
+                     StepEnd *end);
 
 /* ---- model exchange ---- */
 

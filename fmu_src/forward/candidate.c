@@ -26,6 +26,12 @@ const LinearSlipMode *linear_slip_of(const Mechanism *m, int index, LinearSlipMo
     return storage;
 }
 
+const LinearSlipMode *kept_linear_slip(Mechanism *m, int index) {
+    LinearSlipMode *kept = &m->model.linear_slip[index];
+    if (linear_slip_of(m, index, kept) == kept) m->model.linear_slips |= 1u << index;
+    return kept;
+}
+
 SlipMode slip_mode_from_here(const Mechanism *m, int index) {
     int flank[2];
     slip_flanks(index, flank);
@@ -56,11 +62,12 @@ static double linear_size_by_angle(const Mechanism *m, const LinearSlipMode *lin
 }
 
 /* In grooves of any shape: */
-static double size_by_angle(const Mechanism *m, const SlipMode *slip, const Balance *now, int i) {
+static void sizes_by_angle(const Mechanism *m, const SlipMode *slip, const Balance *now, double size[2]) {
     BalanceChange by_angle = {.theta = 1.0};
     if (slip->regime == REGIME_INERTIAL) by_angle.alpha = now->rhs.by_theta;
     else if (slip->regime == REGIME_VISCOUS) by_angle.omega = now->rhs.by_theta;
-    return CANDIDATE_ANGLE_ROUNDING * largest_angle(&m->params) * fabs(balance_contact_change(slip, now, i, &by_angle));
+    balance_contact_changes(slip, now, &by_angle, size);
+    for (int i = 0; i < 2; i++) size[i] = CANDIDATE_ANGLE_ROUNDING * largest_angle(&m->params) * fabs(size[i]);
 }
 
 static Candidate closed_form_candidate(const Mechanism *m, const LinearSlipMode *linear) {
@@ -71,13 +78,14 @@ static Candidate closed_form_candidate(const Mechanism *m, const LinearSlipMode 
     const bool inertial = linear->regime == REGIME_INERTIAL,
                rate_independent = linear->regime == REGIME_RATE_INDEPENDENT;
     const double net = linear_slip_net_torque(linear, &start);
+    const double resistance = inertial ? linear->mass : linear->damping;
     const double free = inertial ? net - linear->damping * start.omega : net; /* start.alpha keeps to the direction */
     Candidate c = {
         .possible = true,
         .regime = linear->regime,
-        .motion = rate_independent ? start.omega : free / (inertial ? linear->mass : linear->damping),
+        .motion = rate_independent ? start.omega : free / resistance,
         .net = net,
-        .rounding = rate_independent ? tie : tie / (inertial ? linear->mass : linear->damping),
+        .rounding = rate_independent ? tie : tie / resistance,
         .stiffness = linear->stiffness,
         .axial = {linear->transfer.axial[0], linear->transfer.axial[1]},
     };
@@ -111,25 +119,23 @@ static Candidate general_candidate(const Mechanism *m, int index) {
         .motion = now.rhs.value,
         .net = now.rhs.net,
         .rounding = rate_independent ? edge_rounding(m, slip.direction) : CANDIDATE_ROUNDING * now.rhs.size,
-        .still = CANDIDATE_ROUNDING * now.rhs.size,
         .stiffness = now.rhs.by_theta,
         .axial = {now.axial[0], now.axial[1]},
     };
     if (!has_friction(&m->params)) return c;
+    double by_angle[2];
     balance_contact_sizes(&slip, &now, c.size);
+    sizes_by_angle(m, &slip, &now, by_angle);
     for (int i = 0; i < 2; i++) {
         c.x[i] = now.x[i];
-        c.size[i] = CANDIDATE_COARSE * c.size[i] + size_by_angle(m, &slip, &now, i);
+        c.size[i] = CANDIDATE_COARSE * c.size[i] + by_angle[i];
     }
     c.possible = isfinite(c.x[0]) && isfinite(c.x[1]);
     return c;
 }
 
-Candidate candidate_building(const Mechanism *m, int index, LinearSlipMode *built) {
-    return is_closed_form(m) ? closed_form_candidate(m, linear_slip_of(m, index, built)) : general_candidate(m, index);
-}
-
 Candidate candidate_of(const Mechanism *m, int index) {
     LinearSlipMode storage;
-    return candidate_building(m, index, &storage);
+    return is_closed_form(m) ? closed_form_candidate(m, linear_slip_of(m, index, &storage))
+                             : general_candidate(m, index);
 }

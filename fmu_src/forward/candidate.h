@@ -12,16 +12,12 @@ typedef struct {
     double motion;        /* the rate that the balance gives: alpha, rad/s^2; without inertia omega, rad/s */
     double net;           /* rate-independent only: N.m, torque beyond the edge of the band */
     double rounding;      /* of `motion`, or of `net` if rate-independent */
-    double still;         /* rate-independent only: rad/s, a smaller `motion` is rounding */
     double stiffness;     /* rate-independent only: N.m/rad, how the edge rises with theta */
     double axial[2];      /* 1/m: x_i per axial load A */
     double x[2], size[2]; /* N/m: x_i, and the size of its terms; only with friction */
 } Candidate;
 
-/* `index`: see slip_index(). If the model lacks the coefficients of the closed form, *built receives them; else *built stays
- * unchanged. */
-Candidate candidate_building(const Mechanism *m, int index, LinearSlipMode *built);
-
+/* `index`: see slip_index(). */
 Candidate candidate_of(const Mechanism *m, int index);
 
 /* Is the motion known in closed form under the present inputs? */
@@ -29,6 +25,9 @@ bool is_closed_form(const Mechanism *m);
 
 /* The coefficients of the closed form of one slip mode: the model's, or, if the model has none, built in *storage. */
 const LinearSlipMode *linear_slip_of(const Mechanism *m, int index, LinearSlipMode *storage);
+
+/* The same, built at their first use and kept in the model. */
+const LinearSlipMode *kept_linear_slip(Mechanism *m, int index);
 
 /* The start of closed-form slip from the present state. */
 SlipStart slip_start_of(const Mechanism *m, const LinearSlipMode *linear);

@@ -6,50 +6,27 @@
 #include "forward/decide.h"
 #include "forward/stick.h"
 
-/* Inlined into each method: a step takes no longer than the copy of the struct. */
-static inline LinearSegment segment_from_here(const Mechanism *m, const LinearSlipMode *linear) {
-    return (LinearSegment){
-        .linear = linear,
-        .params = &m->params,
-        .geometry = &m->configuration.geometry,
-        .start = slip_start_of(m, linear),
-        .work = m->work,
-        .to_stop = angle_to_stop(m, linear->direction),
-        .flanks = has_friction(&m->params),
-        .edge = {min_of(m->configuration.band.load, STEEPEST_EDGE),
-                 max_of(m->configuration.band.release, -STEEPEST_EDGE)},
-    };
-}
-
-LinearSegment linear_segment_from_here(const Mechanism *m, const LinearSlipMode *linear) {
-    return segment_from_here(m, linear);
-}
-
 static void raise_peaks(const LinearSegment *s, const SegmentEnds *ends, Peaks *peak) {
     linear_segment_peaks(s, ends, peak);
     peak_raise(&peak->torque, s->start.tau);
     peak_raise(&peak->torque, s->start.tau + s->start.tau_rate * ends->motion.t);
 }
 
-/* The segment that `ends` and `kernel` describe. False if a value is not finite. */
-static inline bool propose(const Mechanism *m, const LinearSegment *s, const SegmentEnds *ends, Kernel *kernel,
+/* The segment that `ends` and `kernel` describe. */
+static inline void propose(const Mechanism *m, const LinearSegment *s, const SegmentEnds *ends, Kernel *kernel,
                            Segment *segment) {
     const LinearMotion *motion = &ends->motion;
-    const double all = motion->dtheta + motion->omega;
     segment_begin(m, SEGMENT_CLOSED_FORM, segment);
     if (m->params.ledger) {
         linear_slip_book(s->linear, s->params, s->geometry, &s->start, motion, kernel, &segment->booking);
         segment->books = true;
-        if (!booking_is_in_range(&segment->booking, all)) return false;
         raise_peaks(s, ends, &segment->peak);
     }
-    if (!(fabs(all) <= LARGEST_ENERGY)) return false;
     segment->duration = motion->t;
     segment->dtheta = motion->dtheta;
     segment->omega_is_increment = s->linear->regime == REGIME_INERTIAL && !motion->settled;
     segment->omega = segment->omega_is_increment ? motion->domega : motion->omega;
     segment->varies = s->start.tau_rate != 0.0 || s->start.F_ext_rate != 0.0;
-    return true;
 }
 
 bool closed_form_slip_quiet(Mechanism *m, double h, Segment *segment) {
@@ -57,12 +34,14 @@ bool closed_form_slip_quiet(Mechanism *m, double h, Segment *segment) {
     const int index = present_slip_index(m);
     const LinearSlipMode *linear = kept_linear_slip(m, index);
     if (linear->regime != REGIME_INERTIAL || !(linear->direction * m->state.omega.hi > 0.0)) return false;
-    const LinearSegment s = segment_from_here(m, linear);
+    const LinearSegment s = linear_segment_from_here(m, linear);
     Kernel *kernel = &m->cache.kernel[index];
     if (kernel->t != h) oscillator_kernel(&linear->oscillator, h, kernel);
     SegmentEnds ends;
     linear_segment_ends(&s, kernel, &ends);
-    return linear_segment_is_quiet(&s, &ends) && propose(m, &s, &ends, kernel, segment);
+    if (!linear_segment_is_quiet(&s, &ends)) return false;
+    propose(m, &s, &ends, kernel, segment);
+    return true;
 }
 
 /* Does reaction i pass zero where that of `contact` does? Without a moment W both are in proportion to the axial load. */
@@ -70,10 +49,10 @@ static bool crosses(const Mechanism *m, int contact, int i) {
     return i == contact || m->params.inertia.follower == 0.0;
 }
 
-bool closed_form_slip_propose(Mechanism *m, double left, Segment *segment) {
+void closed_form_slip_propose(Mechanism *m, double left, Segment *segment) {
     const int index = present_slip_index(m);
     const LinearSlipMode *linear = kept_linear_slip(m, index);
-    const LinearSegment s = segment_from_here(m, linear);
+    const LinearSegment s = linear_segment_from_here(m, linear);
     const LinearEvent last = linear_event_horizon(&s, min_of(left, linear->oscillator.horizon));
     Kernel kernel = m->cache.kernel[index];
     if (kernel.t != last.t) oscillator_kernel(&linear->oscillator, last.t, &kernel);
@@ -81,9 +60,8 @@ bool closed_form_slip_propose(Mechanism *m, double left, Segment *segment) {
     linear_segment_ends(&s, &kernel, &ends);
     const bool quiet = last.kind == EVENT_NONE && linear_segment_is_quiet(&s, &ends);
     const LinearEvent end = quiet ? (LinearEvent){.kind = EVENT_NONE} : linear_event_first(&s, last, &kernel, &ends);
-    if (!propose(m, &s, &ends, &kernel, segment)) return false;
+    propose(m, &s, &ends, &kernel, segment);
     segment->end = end.kind;
     for (int i = 0; end.kind == EVENT_FLANK && i < 2; i++) segment->crossed[i] = crosses(m, end.contact, i);
     segment->duration = kernel.t;
-    return true;
 }

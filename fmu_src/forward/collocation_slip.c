@@ -4,7 +4,6 @@
 #include <math.h>
 
 #include "collocation/lobatto_step.h"
-#include "collocation/radau_peaks.h"
 #include "collocation/radau_step.h"
 #include "elementary/elementary.h"
 #include "forward/candidate.h"
@@ -21,15 +20,8 @@ static bool slips_on(const Mechanism *m) {
 /* ---- Radau steps ---- */
 
 static void raise_radau_peaks(const Mechanism *m, const SlipMode *slip, const RadauStep *step, Segment *segment) {
-    Peaks *peak = &segment->peak;
-    const int contacts = m->params.contacts; /* the step's reactions are totals of all pin ends */
-    const RadauPeaks known = {peak->omega, {peak->reaction[0] * contacts, peak->reaction[1] * contacts}};
-    const RadauPeaks peaks = radau_step_peaks(slip, step, &known);
-    peak_raise(&peak->omega, peaks.omega);
-    peak_raise(&peak->torque, step->start.tau);
-    peak_raise(&peak->torque, radau_step_end(step)->tau);
+    radau_step_raise_peaks(slip, step, &segment->peak);
     segment_raise_input_peaks(m, step->h, segment);
-    for (int i = 0; i < 2; i++) peak_raise(&peak->reaction[i], peaks.reaction[i] / contacts);
 }
 
 /* Without inertia: the speed by the equation of motion at the angle `theta` after t seconds. The last iterate of the
@@ -40,11 +32,10 @@ static double speed_at_end(const Mechanism *m, const SlipMode *slip, double thet
     return balance_rhs(&here, theta, 0.0, t).value;
 }
 
-/* The segment along a Radau step to its end, with `left` seconds left. False if a value is not finite. A segment below the
- * rounding of the time raises no peak: it has the reactions of the next one. */
-static bool radau_segment(Mechanism *m, const SlipMode *slip, double left, EventLocation *location, Segment *segment) {
+/* The segment along a Radau step to its end, with `left` seconds left. A segment below the rounding of the time raises no
+ * peak: it has the reactions of the next one. */
+static void radau_segment(Mechanism *m, const SlipMode *slip, double left, EventLocation *location, Segment *segment) {
     const RadauStep *step = &location->step;
-    if (!booking_is_in_range(&step->booking, step->dtheta + radau_step_end(step)->omega)) return false;
     segment_begin(m, SEGMENT_RADAU, segment);
     segment->books = true;
     segment->booking = step->booking;
@@ -61,7 +52,6 @@ static bool radau_segment(Mechanism *m, const SlipMode *slip, double left, Event
     segment->ends_at_breakpoint = location->aimed_at_breakpoint;
     segment->location = location;
     m->cache.proposal = location->next;
-    return true;
 }
 
 /* At breakaway under inputs that are polynomials the torque is on the edge of the band, or short of the edge by
@@ -69,7 +59,7 @@ static bool radau_segment(Mechanism *m, const SlipMode *slip, double left, Event
  * of the torques, the motion is rest to all digits, and no step can resolve the motion. Returns the duration of this
  * rest, at least a rounding of `left` seconds; 0 where the torque exceeds the edge or the mechanism moves. */
 static double unseen_time(const Mechanism *m, const SlipMode *slip, const Balance *start, double left) {
-    if (slip->regime == REGIME_RATE_INDEPENDENT || (slip->regime == REGIME_INERTIAL && start->omega != 0.0)) return 0.0;
+    if (slip->regime == REGIME_INERTIAL && start->omega != 0.0) return 0.0;
     Partials by;
     balance_partials(slip, start, &by);
     const double lever = by.by[KNOWN_F_EXT] / by.by[KNOWN_TAU]; /* minus the torque per load that holds the load */
@@ -99,17 +89,14 @@ static SlipProposal propose_along(Mechanism *m, const SlipMode *slip, const Bala
     }
     const bool found = event_location_find(slip, start, &stop, left, &m->cache.proposal, location);
     if (slip->regime == REGIME_RATE_INDEPENDENT && (!found || jump_is_at_fold(slip, location, left))) {
-        const JumpProposal jump = jump_past_fold(m, slip, start, left, segment);
-        if (jump != JUMP_NONE) return jump == JUMP_PROPOSED ? SLIP_PROPOSED : SLIP_NOT_FINITE;
-        if (!found) {
-            rest_propose(m, left, segment);
-            return SLIP_PROPOSED;
-        }
+        if (jump_past_fold(m, slip, start, left, segment)) return SLIP_PROPOSED;
+        if (!found) rest_propose(m, left, segment);
+    } else if (!found) {
+        const double unseen = unseen_time(m, slip, start, left);
+        if (!(unseen > 0.0)) return SLIP_LOST;
+        rest_propose_for(m, min_of(left, unseen), segment);
     }
-    if (found) return radau_segment(m, slip, left, location, segment) ? SLIP_PROPOSED : SLIP_NOT_FINITE;
-    const double unseen = unseen_time(m, slip, start, left);
-    if (!(unseen > 0.0)) return SLIP_LOST;
-    rest_propose_for(m, min_of(left, unseen), segment);
+    if (found) radau_segment(m, slip, left, location, segment);
     return SLIP_PROPOSED;
 }
 
@@ -149,11 +136,10 @@ static void raise_peaks_inside(const Mechanism *m, const SlipMode *slip, double 
 static void raise_lobatto_peaks(const Mechanism *m, const SlipMode *slip, const LobattoStep *lobatto,
                                 Segment *segment) {
     Peaks *peak = &segment->peak;
-    peak_raise(&peak->omega, lobatto->peak_omega);
-    peak_raise(&peak->torque, m->inputs.tau[0]);
-    peak_raise(&peak->torque, lobatto->tau);
+    peak_raise(&peak->omega, lobatto->peak.omega);
+    peak_raise(&peak->torque, lobatto->peak.torque);
     segment_raise_input_peaks(m, lobatto->h, segment);
-    for (int i = 0; i < 2; i++) peak_raise(&peak->reaction[i], lobatto->peak_reaction[i]);
+    for (int i = 0; i < 2; i++) peak_raise(&peak->reaction[i], lobatto->peak.reaction[i]);
     if (lobatto->peaks_inside) raise_peaks_inside(m, slip, lobatto->h, segment);
 }
 

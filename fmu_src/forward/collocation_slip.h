@@ -7,10 +7,9 @@
 #include "forward/segment.h"
 
 typedef enum {
-    SLIP_PROPOSED,   /* *segment is the proposal */
-    SLIP_UNDECIDED,  /* the mode must be decided first */
-    SLIP_LOST,       /* no step goes on: D of the pair falls to zero (docs/mechanism.md, section 3) */
-    SLIP_NOT_FINITE, /* a value is not finite */
+    SLIP_PROPOSED,  /* *segment is the proposal */
+    SLIP_UNDECIDED, /* the mode must be decided first */
+    SLIP_LOST,      /* no step goes on: D of the pair falls to zero (docs/mechanism.md, section 3) */
 } SlipProposal;
 
 /* The result of an earlier trial of a Lobatto step. */

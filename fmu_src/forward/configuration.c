@@ -10,12 +10,6 @@ NOINLINE void update_curved_configuration(Mechanism *m) {
     m->configuration.z = point.z;
 }
 
-void mechanism_set_motion(Mechanism *m, double theta, double omega) {
-    m->state.theta = sum_of(theta);
-    m->state.omega = sum_of(omega);
-    update_configuration(m);
-}
-
 double kinetic_energy(const Mechanism *m) {
     const Geometry *g = &m->configuration.geometry;
     return kinetic_energy_of(&m->params.inertia, g->dz_dtheta, g->dpsi_dtheta[0], m->state.omega.hi);

@@ -28,9 +28,6 @@ static inline double angle_to_stop(const Mechanism *m, int direction) {
     return distance_to_stop(&m->params.stop, direction, m->state.theta);
 }
 
-/* Sets theta (rad) and omega (rad/s). The mode stays. */
-void mechanism_set_motion(Mechanism *m, double theta, double omega);
-
 double kinetic_energy(const Mechanism *m); /* J */
 double stored_energy(const Mechanism *m);  /* J, spring and kinetic energy */
 

@@ -16,7 +16,7 @@ bool begins_with_jump(const Candidate *c, int direction) {
 /* From rest the motion points along the slip, to rounding. Along a moving edge of the band only in its direction. */
 static bool points_along(const Candidate *c, int direction) {
     if (c->regime != REGIME_RATE_INDEPENDENT) return direction * c->motion >= -c->rounding;
-    return begins_with_jump(c, direction) || (direction * c->net >= -c->rounding && direction * c->motion >= -c->still);
+    return begins_with_jump(c, direction) || (direction * c->net >= -c->rounding && direction * c->motion >= 0.0);
 }
 
 static bool bears_on(const Candidate *c, const int flank[2]) {
@@ -24,9 +24,12 @@ static bool bears_on(const Candidate *c, const int flank[2]) {
            flank[1] * c->x[1] >= -REACTION_ZERO_SHARE * c->size[1];
 }
 
-/* Does the pair of flanks carry the motion in `direction`? */
-static bool carries(const Mechanism *m, int direction, const int flank[2], LinearSlipMode *built) {
-    const Candidate c = candidate_building(m, slip_index(direction, flank), built);
+/* Does this slip carry the motion? */
+static bool carries(const Mechanism *m, int index) {
+    const int direction = slip_direction(index);
+    int flank[2];
+    slip_flanks(index, flank);
+    const Candidate c = candidate_of(m, index);
     const bool starts = c.regime != REGIME_INERTIAL || m->state.omega.hi == 0.0;
     return c.possible && bears_on(&c, flank) && !(starts && !points_along(&c, direction));
 }
@@ -48,65 +51,74 @@ static Mode slip_mode(int direction) {
     return direction > 0 ? MODE_LOADING : MODE_RELEASING;
 }
 
-/* The pair `first`, then the pair that supports the axial load, its neighbours, the opposite pair. */
-static Decision slip_or_wedge(const Mechanism *m, int direction, const int first[2], LinearSlipMode *built) {
-    const bool is_left = m->left_slips >> slip_index(direction, first) & 1u;
-    if (!is_left && carries(m, direction, first, built))
-        return (Decision){slip_mode(direction), slip_index(direction, first)};
-    const int sign = load_sign(m, direction);
-    for (int k = 0; k < FLANK_PAIR_COUNT; k++) {
-        int flank[2];
-        flank_pair(k, sign, flank);
-        if ((flank[0] == first[0] && flank[1] == first[1]) || (m->left_slips >> slip_index(direction, flank) & 1u))
-            continue;
-        if (carries(m, direction, flank, built)) return (Decision){slip_mode(direction), slip_index(direction, flank)};
+/* The slip on pair k of the rule, see flank_pair(). */
+static int slip_of_rule(int direction, int k, int sign) {
+    int flank[2];
+    flank_pair(k, sign, flank);
+    return slip_index(direction, flank);
+}
+
+/* The slip `first`, then that on the pair that supports the axial load, on its neighbours, on the opposite pair; not those
+ * that have ended here. */
+static Decision slip_or_wedge(const Mechanism *m, int direction, int first) {
+    unsigned tried = m->left_slips;
+    for (int k = -1; k < FLANK_PAIR_COUNT; k++) {
+        const int index = k < 0 ? first : slip_of_rule(direction, k, load_sign(m, direction));
+        if (tried >> index & 1u) continue;
+        if (carries(m, index)) return (Decision){slip_mode(direction), index};
+        tried |= 1u << index;
     }
     return (Decision){MODE_WEDGED, -1};
 }
 
-/* The first pair that carries an axial load of this sign: x_i = axial_i A. Where a contact locks, the other one bears on its other
- * flank. Leaves *flank where there is none. */
-static void find_pair_for(const Mechanism *m, int direction, int sign, LinearSlipMode *built, int flank[2]) {
+/* The first slip that carries an axial load of this sign, x_i = axial_i A, or else `otherwise`. Where a contact locks, the
+ * other one bears on its other flank. */
+static int slip_under(const Mechanism *m, int direction, int sign, int otherwise) {
     for (int k = 0; k < FLANK_PAIR_COUNT; k++) {
-        int pair[2];
-        flank_pair(k, sign, pair);
-        const Candidate c = candidate_building(m, slip_index(direction, pair), built);
-        if (!c.possible || pair[0] * sign * c.axial[0] < 0.0 || pair[1] * sign * c.axial[1] < 0.0) continue;
-        for (int i = 0; i < 2; i++) flank[i] = pair[i];
-        return;
+        int flank[2];
+        flank_pair(k, sign, flank);
+        const Candidate c = candidate_of(m, slip_index(direction, flank));
+        const bool agrees = flank[0] * sign * c.axial[0] >= 0.0 && flank[1] * sign * c.axial[1] >= 0.0;
+        if (c.possible && agrees) return slip_index(direction, flank);
     }
+    return otherwise;
 }
 
-/* The pair that follows the present one: the flank turns whose reaction has just passed zero; where the axial load has passed
- * zero, and with it both, the pair that carries the load of the other sign. */
-static void find_next_pair(const Mechanism *m, int direction, LinearSlipMode *built, int flank[2]) {
+/* The slip that follows the present one: the flank turns whose reaction has just passed zero; where the axial load has
+ * passed zero, and with it both, the pair that carries the load of the other sign. */
+static int next_slip(const Mechanism *m, int direction) {
+    int flank[2];
     for (int i = 0; i < 2; i++) flank[i] = m->crossed[i] ? -m->state.flank[i] : m->state.flank[i];
-    if (!m->crossed[0] || !m->crossed[1]) return;
-    const Candidate present = candidate_building(m, slip_index(direction, m->state.flank), built);
+    const int turned = slip_index(direction, flank);
+    if (!m->crossed[0] || !m->crossed[1]) return turned;
+    const Candidate present = candidate_of(m, present_slip_index(m));
     const int i = present.axial[0] != 0.0 ? 0 : 1;
-    find_pair_for(m, direction, -m->state.flank[i] * sign_of(present.axial[i]), built, flank);
+    return slip_under(m, direction, flank[i] * sign_of(present.axial[i]), turned);
 }
 
 /* Where the mechanism has not slipped in this direction before, the pair that supports the axial load comes first. */
-static Decision slip_on(const Mechanism *m, int direction, LinearSlipMode *built) {
-    int flank[2];
-    if (m->state.mode == slip_mode(direction)) find_next_pair(m, direction, built, flank);
-    else flank_pair(0, load_sign(m, direction), flank);
-    return slip_or_wedge(m, direction, flank, built);
+static Decision slip_on(const Mechanism *m, int direction) {
+    const bool goes_on = m->state.mode == slip_mode(direction);
+    return slip_or_wedge(m, direction,
+                         goes_on ? next_slip(m, direction) : slip_of_rule(direction, 0, load_sign(m, direction)));
+}
+
+int slip_after_impact(const Mechanism *m, int direction) {
+    return slip_or_wedge(m, direction, slip_of_rule(direction, 0, load_sign(m, direction))).slip_index;
 }
 
 /* ---- the decision ---- */
 
-static Decision decide_at_rest(const Mechanism *m, LinearSlipMode *built) {
+static Decision decide_at_rest(const Mechanism *m) {
     const int direction = stick_direction_beyond_band(m);
     if (direction == 0) return (Decision){stick_mode(m), -1};
     if (angle_to_stop(m, direction) <= 0.0) return (Decision){direction > 0 ? MODE_UPPER_STOP : MODE_LOWER_STOP, -1};
-    return slip_on(m, direction, built);
+    return slip_on(m, direction);
 }
 
-static Decision decide(const Mechanism *m, LinearSlipMode *built) {
+static Decision decide(const Mechanism *m) {
     const bool moves = has_inertia(&m->params) && m->state.omega.hi != 0.0;
-    return moves ? slip_on(m, sign_of(m->state.omega.hi), built) : decide_at_rest(m, built);
+    return moves ? slip_on(m, sign_of(m->state.omega.hi)) : decide_at_rest(m);
 }
 
 static bool is_decided(const Mechanism *m) {
@@ -115,35 +127,11 @@ static bool is_decided(const Mechanism *m) {
 }
 
 Decision decision_of(const Mechanism *m) {
-    LinearSlipMode storage;
-    if (!is_decided(m)) return decide(m, &storage);
+    if (!is_decided(m)) return decide(m);
     return (Decision){m->state.mode, is_slip(m->state.mode) ? present_slip_index(m) : -1};
 }
 
 /* ---- entering a mode ---- */
-
-/* Keeps coefficients of the closed form in the model; direction 0: there are none. */
-static void keep_linear_slip(Mechanism *m, const LinearSlipMode *built) {
-    if (built->direction == 0) return;
-    const int index = slip_index(built->direction, built->flank);
-    m->model.linear_slip[index] = *built;
-    m->model.linear_slips |= 1u << index;
-}
-
-void build_linear_slip(Mechanism *m, int index) {
-    LinearSlipMode built;
-    keep_linear_slip(m, linear_slip_of(m, index, &built));
-}
-
-int slip_after_impact(Mechanism *m, int direction) {
-    LinearSlipMode built;
-    int flank[2];
-    built.direction = 0;
-    flank_pair(0, load_sign(m, direction), flank);
-    const Decision decision = slip_or_wedge(m, direction, flank, &built);
-    keep_linear_slip(m, &built);
-    return decision.slip_index;
-}
 
 static void enter(Mechanism *m, Decision decision) {
     State *state = &m->state;
@@ -159,10 +147,7 @@ static void enter(Mechanism *m, Decision decision) {
 }
 
 void enter_decided_mode(Mechanism *m) {
-    LinearSlipMode built;
-    built.direction = 0;
-    const Decision decision = decide(m, &built);
-    keep_linear_slip(m, &built);
+    const Decision decision = decide(m);
     m->crossed[0] = m->crossed[1] = false;
     enter(m, decision);
 }

@@ -20,24 +20,14 @@ typedef struct {
  * the present one. */
 Decision decision_of(const Mechanism *m);
 
-/* Decides the mode and enters it: a mode that differs from the present one counts as an event. Coefficients of the
- * closed form that the decision had to build are kept in the model. */
+/* Decides the mode and enters it: a mode that differs from the present one counts as an event. */
 void enter_decided_mode(Mechanism *m);
 
 /* The slip mode in `direction` of a mechanism that moves, or is about to, after an impact: its index, or -1 if the contacts
  * wedge. */
-int slip_after_impact(Mechanism *m, int direction);
+int slip_after_impact(const Mechanism *m, int direction);
 
 /* Does rate-independent slip begin with a jump? True unless the torque is on the edge of the stick band already. */
 bool begins_with_jump(const Candidate *candidate, int direction);
-
-/* Builds the coefficients of the closed form of one slip mode and keeps them in the model. */
-void build_linear_slip(Mechanism *m, int index);
-
-/* The coefficients of the closed form of one slip mode, built at their first use. */
-static inline const LinearSlipMode *kept_linear_slip(Mechanism *m, int index) {
-    if ((m->model.linear_slips >> index & 1u) == 0) build_linear_slip(m, index);
-    return &m->model.linear_slip[index];
-}
 
 #endif

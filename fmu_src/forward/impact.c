@@ -13,7 +13,7 @@ static void stand_still(Mechanism *m) {
 
 /* Is the bounce off the stop in `direction` too low to be seen in theta? The excursion at a speed omega against a
  * deceleration alpha is omega^2/(2 alpha). So a sequence of shrinking bounces ends after a finite number. */
-static bool is_bounce_invisible(Mechanism *m, int direction) {
+static bool is_bounce_invisible(const Mechanism *m, int direction) {
     const double omega = m->state.omega.hi;
     const int slip = slip_after_impact(m, -direction);
     const double alpha = slip < 0 ? 0.0 : direction * candidate_of(m, slip).motion;

@@ -24,13 +24,13 @@ static void book_helices(const LinearSegment *s, double dtheta, Segment *segment
     }
 }
 
-JumpProposal jump_of_helices(const Mechanism *m, const LinearSlipMode *linear, Segment *segment) {
+bool jump_of_helices(const Mechanism *m, const LinearSlipMode *linear, Segment *segment) {
     const LinearSegment s = linear_segment_from_here(m, linear);
     const double sign = linear->direction, force = s.start.force;
     const double net = sign * linear_slip_net_torque(linear, &s.start);
     const bool stable = linear->stiffness > 0.0; /* else the holding torque falls along the motion */
     const Candidate candidate = candidate_of(m, present_slip_index(m));
-    if (stable && !begins_with_jump(&candidate, linear->direction)) return JUMP_NONE;
+    if (stable && !begins_with_jump(&candidate, linear->direction)) return false;
     const double spring = sign * m->params.spring.stiffness * m->configuration.geometry.dz_dtheta;
     const double carried = linear->flank[0] * linear->transfer.axial[0] + linear->flank[1] * linear->transfer.axial[1];
     /* Beyond the place where the load turns, a load that is rounding does not turn once more. */
@@ -46,7 +46,7 @@ JumpProposal jump_of_helices(const Mechanism *m, const LinearSlipMode *linear, S
         segment->crossed[0] = segment->crossed[1] = true;
     }
     if (distance == s.to_stop) segment->end = EVENT_STOP;
-    return JUMP_PROPOSED;
+    return true;
 }
 
 /* ---- grooves of any shape ---- */
@@ -58,27 +58,24 @@ bool jump_is_due(const Mechanism *m) {
     return begins_with_jump(&candidate, direction_of(m->state.mode));
 }
 
-/* Proposes the segment of a jump. */
-static JumpProposal propose_jump(const Mechanism *m, const Jump *jump, Segment *segment) {
-    const Booking *b = &jump->booking;
-    if (!isfinite(jump->dtheta + b->work_in + b->work_ext + b->heat_cam[0] + b->heat_cam[1])) return JUMP_NOT_FINITE;
+/* Proposes the segment of the jump to where `torque` is held, see play_jump(). False if there is none: the jump is zero. */
+static bool propose_jump(const Mechanism *m, int direction, double torque, double bump, Segment *segment) {
+    Jump jump;
+    play_jump(m, direction, torque, bump, &jump);
     segment_begin(m, SEGMENT_JUMP, segment);
     segment->books = true;
-    segment->booking = *b;
+    segment->booking = jump.booking;
     peak_raise(&segment->peak.torque, m->inputs.tau[0]);
-    for (int i = 0; i < 2; i++) peak_raise(&segment->peak.reaction[i], jump->reaction[i] / m->params.contacts);
-    segment->dtheta = jump->dtheta;
-    if (jump->stopped) segment->end = EVENT_STOP;
-    return JUMP_PROPOSED;
+    for (int i = 0; i < 2; i++) peak_raise(&segment->peak.reaction[i], jump.reaction[i] / m->params.contacts);
+    segment->dtheta = jump.dtheta;
+    if (jump.stopped) segment->end = EVENT_STOP;
+    return jump.stopped || jump.dtheta != 0.0;
 }
 
-bool jump_propose(Mechanism *m, double left, Segment *segment) {
-    Jump jump;
-    play_jump(m, direction_of(m->state.mode), m->inputs.tau[0], 0.0, &jump);
-    if (jump.stopped || jump.dtheta != 0.0) return propose_jump(m, &jump, segment) == JUMP_PROPOSED;
+void jump_propose(Mechanism *m, double left, Segment *segment) {
+    if (propose_jump(m, direction_of(m->state.mode), m->inputs.tau[0], 0.0, segment)) return;
     m->state.mode = MODE_WEDGED; /* beyond this angle the contacts lock */
     rest_propose(m, left, segment);
-    return true;
 }
 
 /* ---- folds ---- */
@@ -107,25 +104,19 @@ static double growing_time(const Inputs *in, int direction, double left) {
 
 /* Where the edge of the band is level, time does not follow from theta, but theta follows from the torque. As long as
  * the torque grows, theta ends where a jump of the torque would end. */
-static JumpProposal follow_torque(const Mechanism *m, int direction, double t, Segment *segment) {
-    Inputs after = m->inputs;
-    inputs_advance(&after, t);
-    Jump jump;
-    play_jump(m, direction, after.tau[0], 0.0, &jump);
-    if (propose_jump(m, &jump, segment) != JUMP_PROPOSED) return JUMP_NOT_FINITE;
-    peak_raise(&segment->peak.torque, after.tau[0]);
+static void follow_torque(const Mechanism *m, int direction, double t, Segment *segment) {
+    const double torque = input_value(m->inputs.tau, t);
+    (void)propose_jump(m, direction, torque, 0.0, segment);
+    peak_raise(&segment->peak.torque, torque);
     segment->duration = t;
     segment->varies = segment->finds_speed = true;
-    return JUMP_PROPOSED;
 }
 
-JumpProposal jump_past_fold(const Mechanism *m, const SlipMode *slip, const Balance *start, double left,
-                            Segment *segment) {
+bool jump_past_fold(const Mechanism *m, const SlipMode *slip, const Balance *start, double left, Segment *segment) {
     const double grows = growing_time(&m->inputs, slip->direction, left);
-    if (grows > 0.0) return follow_torque(m, slip->direction, grows, segment);
-    Jump jump;
-    play_jump(m, slip->direction, m->inputs.tau[0], fold_height(slip, start), &jump);
-    return jump.stopped || jump.dtheta != 0.0 ? propose_jump(m, &jump, segment) : JUMP_NONE;
+    if (!(grows > 0.0)) return propose_jump(m, slip->direction, m->inputs.tau[0], fold_height(slip, start), segment);
+    follow_torque(m, slip->direction, grows, segment);
+    return true;
 }
 
 void jump_find_speed(Mechanism *m) {

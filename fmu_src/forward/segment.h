@@ -3,9 +3,12 @@
 #ifndef DUALCAM_SEGMENT_H
 #define DUALCAM_SEGMENT_H
 
+#include <math.h>
+
 #include "collocation/event_location.h"
 #include "forward/configuration.h"
 #include "forward/state.h"
+#include "numerics/tolerances.h"
 
 typedef enum {
     SEGMENT_REST,        /* at rest */
@@ -45,6 +48,12 @@ static inline void segment_begin(const Mechanism *m, SegmentKind kind, Segment *
     segment->crossed[0] = segment->crossed[1] = false;
     segment->peak = m->state.ledger.peak;
     segment->location = NULL;
+}
+
+/* Are all amounts finite, and of a size that the ledger can add up? */
+static inline bool segment_is_in_range(const Segment *segment) {
+    const double motion = segment->dtheta + segment->omega;
+    return segment->books ? booking_is_in_range(&segment->booking, motion) : fabs(motion) <= LARGEST_ENERGY;
 }
 
 /* Applies the segment: the only place where a step changes angle, speed, accounts and inputs. Member by member: the

@@ -12,7 +12,7 @@
  *   Params   the user's choice; constant while the mechanism moves
  *   Inputs   torque and axial force, polynomials of time over the coming step
  *   State    all that a restored run needs; one assignment saves the state
- *   Outputs  computed from the other three, on request only
+ *   Outputs  computed from the other three, on request only: in the room outputs
  * Model holds what Params imply. Configuration holds what theta implies. Cache holds values that a step can compute
  * again bit for bit, so the cache is never saved.
  *
@@ -24,7 +24,7 @@
  *   rest, closed_form_slip, collocation_slip, jump    the methods that propose segments
  *   play               the play operator: the angle by which theta moves along the edge of the stick band
  *   impact             end stops and wedges
- *   configuration, lifecycle, outputs, ode            what theta implies; start and tuning; outputs; model exchange */
+ *   configuration, lifecycle                          what theta implies; start and tuning */
 #ifndef DUALCAM_STATE_H
 #define DUALCAM_STATE_H
 
@@ -38,7 +38,6 @@
 #include "geometry/cam.h"
 #include "geometry/transmission.h"
 #include "model/friction_table_load.h"
-#include "model/known.h"
 #include "model/ledger.h"
 #include "model/mode.h"
 #include "model/params.h"
@@ -69,47 +68,6 @@ typedef struct {
     Step step;
     Tunables tunables; /* those of the latest step if step.retuned, else 0 */
 } State;
-
-typedef struct {
-    double z; /* m */
-    double v; /* m/s */
-} Motion;
-
-typedef struct {
-    double alpha;                   /* rad/s^2 */
-    double gamma;                   /* rad */
-    double spring_force;            /* N */
-    double damper_force;            /* N */
-    double reaction[2];             /* N, per pin end; positive on the flank that supports F > 0 */
-    double sliding_speed[2];        /* m/s */
-    double friction_coefficient[2]; /* in effect; at rest the static coefficient */
-    double friction_power[2];       /* W, total of all pin ends */
-    double torque_load;             /* N.m, upper edge of the stick band; +inf: jammed */
-    double torque_release;          /* N.m, lower edge of the stick band; -inf: wedged */
-    double efficiency;              /* torque_release / torque_load */
-    int mode;                       /* Mode, decided with the present inputs */
-    int friction_class;             /* FrictionClass */
-    int64_t events;
-} LoadOutputs;
-
-typedef struct {
-    double work_in, work_ext, work_tuning;
-    double spring, kinetic;
-    double heat_cam[2], heat_damper, heat_shaft, heat_stop; /* all in J */
-} Energy;
-
-/* Derivatives of theta and omega at the end of the latest step: step_sensitivity.h. */
-typedef struct {
-    double dtheta[KNOWN_COUNT], domega[KNOWN_COUNT]; /* rad and rad/s per unit of the known; none by alpha */
-} StepSensitivity;
-
-typedef struct {
-    Motion motion;
-    LoadOutputs loads;
-    Energy energy;
-    Audit audit;
-    StepSensitivity step;
-} Outputs;
 
 /* What Params imply. */
 typedef struct {

@@ -80,19 +80,18 @@ static void decide_mode(Mechanism *m, StepRun *run) {
     if (visitor != NULL) run->left = visitor->after_decision(visitor, m, run->left);
 }
 
-static SlipProposal propose_closed_form(Mechanism *m, double left, Segment *segment) {
+static void propose_closed_form(Mechanism *m, double left, Segment *segment) {
     const LinearSlipMode *linear = kept_linear_slip(m, present_slip_index(m));
     const bool may_jump = linear->regime == REGIME_RATE_INDEPENDENT;
-    if (may_jump && jump_of_helices(m, linear, segment) == JUMP_PROPOSED) return SLIP_PROPOSED;
-    return closed_form_slip_propose(m, left, segment) ? SLIP_PROPOSED : SLIP_NOT_FINITE;
+    if (!may_jump || !jump_of_helices(m, linear, segment)) closed_form_slip_propose(m, left, segment);
 }
 
 /* Proposes a segment in the mode that has been decided. */
 static SlipProposal propose_segment(Mechanism *m, double left, EventLocation *location, Segment *segment) {
     if (is_wedging(m)) wedge_propose(m, segment);
     else if (!is_slip(m->state.mode)) rest_propose(m, left, segment);
-    else if (is_closed_form(m)) return propose_closed_form(m, left, segment);
-    else if (jump_is_due(m)) return jump_propose(m, left, segment) ? SLIP_PROPOSED : SLIP_NOT_FINITE;
+    else if (is_closed_form(m)) propose_closed_form(m, left, segment);
+    else if (jump_is_due(m)) jump_propose(m, left, segment);
     else return collocation_slip_propose(m, left, location, segment);
     return SLIP_PROPOSED;
 }
@@ -161,7 +160,7 @@ NOINLINE static Outcome make_segments(Mechanism *m, StepRun *run) {
             proposal = propose_segment(m, run->left, &location, &segment);
         }
         if (proposal == SLIP_LOST) return OUTCOME_LOST;
-        if (proposal == SLIP_NOT_FINITE) return OUTCOME_NOT_FINITE;
+        if (!segment_is_in_range(&segment)) return OUTCOME_NOT_FINITE;
         if (!carry_out(m, run, &segment)) return OUTCOME_STOPPED;
     }
 }
@@ -193,15 +192,14 @@ static void describe_loss(const Mechanism *m, char text[REASON_SIZE]) {
 
 /* The reason of a failed step; `m` is the mechanism at the instant of the failure. */
 static void describe_reason(const Mechanism *m, Outcome outcome, char text[REASON_SIZE]) {
-    switch (outcome) {
-        case OUTCOME_LOST: describe_loss(m, text); return;
-        case OUTCOME_NOT_FINITE: snprintf(text, REASON_SIZE, "the motion leaves the range of numbers"); return;
-        case OUTCOME_TOO_MANY_WEDGES: snprintf(text, REASON_SIZE, "the contacts wedge and let go without end"); return;
-        case OUTCOME_TOO_MUCH_WORK:
-            snprintf(text, REASON_SIZE, "the step needs too many evaluations of the motion");
-            return;
-        default: snprintf(text, REASON_SIZE, "the step needs too many segments");
-    }
+    static const char *const reason[] = {
+        [OUTCOME_NOT_FINITE] = "the motion leaves the range of numbers",
+        [OUTCOME_TOO_MANY_WEDGES] = "the contacts wedge and let go without end",
+        [OUTCOME_TOO_MANY_SEGMENTS] = "the step needs too many segments",
+        [OUTCOME_TOO_MUCH_WORK] = "the step needs too many evaluations of the motion",
+    };
+    if (outcome == OUTCOME_LOST) describe_loss(m, text);
+    else snprintf(text, REASON_SIZE, "%s", reason[outcome]);
 }
 
 /* Describes why a step of h seconds is refused; undo() has brought `m` back to the start of the step. */
@@ -287,17 +285,8 @@ static bool advance_by_segments(Mechanism *m, double h, const Segment *first, co
     return false;
 }
 
-/* Makes the step in closed form if it has no event. */
-static inline bool slips_in_closed_form(Mechanism *m, double h) {
-    Segment segment;
-    if (!closed_form_slip_quiet(m, h, &segment)) return false;
-    remember_step(m, h);
-    segment_apply(m, &segment);
-    return true;
-}
-
 /* A step that is one segment in the mode of the latest step needs no decision. This is the common case. */
-bool mechanism_advance_watched(Mechanism *m, double h, Watcher *watcher, Fault *fault) {
+bool mechanism_advance(Mechanism *m, double h, Watcher *watcher, Fault *fault) {
     const bool constant = inputs_constant(&m->inputs);
     if (constant && rest_goes_on(m)) {
         remember_step(m, h);
@@ -305,20 +294,16 @@ bool mechanism_advance_watched(Mechanism *m, double h, Watcher *watcher, Fault *
     }
     if (!constant && !check_inputs(&m->inputs, h, fault)) return false;
     const bool closed_form = constant ? m->model.closed_form : is_closed_form(m);
-    if (closed_form && slips_in_closed_form(m, h)) return true;
     Segment segment;
     LobattoHint hint = {.refused = true};
-    const bool quiet = !closed_form && collocation_slip_quiet(m, h, &hint, &segment);
+    const bool quiet = closed_form ? closed_form_slip_quiet(m, h, &segment) && segment_is_in_range(&segment)
+                                   : collocation_slip_quiet(m, h, &hint, &segment);
     if (quiet && segment.duration == h) {
         remember_step(m, h);
         segment_apply(m, &segment);
         return true;
     }
     return advance_by_segments(m, h, quiet ? &segment : NULL, &hint, watcher, fault);
-}
-
-bool mechanism_advance(Mechanism *m, double h, Fault *fault) {
-    return mechanism_advance_watched(m, h, NULL, fault);
 }
 
 bool mechanism_go_through(Mechanism *m, double h, StepVisitor *visitor) {

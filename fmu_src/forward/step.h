@@ -8,13 +8,12 @@
 
 /* Advances by h > 0 seconds with m->inputs and leaves in m->inputs their values at the end of the step. Returns false,
  * with the mechanism as before, if the step needs too many segments or wedges (the limits stand in tolerances.h), or if a
- * value is not finite; `fault` names the reason. */
-bool mechanism_advance(Mechanism *m, double h, Fault *fault);
-
-/* Like mechanism_advance(), with a watcher whose members `mode` and `cut` are zero. The watcher is told of each
- * instant after the start at which the mode changes. The watcher sees the mechanism at that instant, and may end the
- * step there, `cut` seconds early. The watcher does not change the motion. */
-bool mechanism_advance_watched(Mechanism *m, double h, Watcher *watcher, Fault *fault);
+ * value is not finite; `fault` names the reason.
+ *
+ * `watcher`, unless NULL, has the members `mode` and `cut` zero. It is told of each instant after the start at which the
+ * mode changes, sees the mechanism at that instant, and may end the step there, `cut` seconds early. It does not change
+ * the motion. */
+bool mechanism_advance(Mechanism *m, double h, Watcher *watcher, Fault *fault);
 
 /* Carries out the mode changes that are due now. In model exchange the mechanism may stand at an end stop or at
  * velocity zero to the rounding of a solver, on either side, and the accounts stay as they are. */

@@ -1,8 +1,4 @@
-/* The kinematics at one theta: how far pin and follower move when cam 2 turns (docs/mechanism.md, section 2).
- *
- * z = g1(gamma) = g2(phi) with gamma + phi = theta. With the slopes a_i = g_i'
- *     dgamma/dtheta = a2/(a1+a2)    dphi/dtheta = a1/(a1+a2)    dz/dtheta = a1 a2/(a1+a2)
- * No slope is a divisor by itself, so a dwell (one a_i = 0) is an ordinary place. */
+/* The kinematics at one theta: how far pin and follower move when cam 2 turns (docs/mechanism.md, section 2). */
 #ifndef DUALCAM_CAM_H
 #define DUALCAM_CAM_H
 

@@ -1,12 +1,5 @@
-/* Groove laws: the rise z = g(psi) of the pin when it turns by psi relative to its cam (docs/mechanism.md, section 2).
- *
- * g(0) = 0, g' >= 0. With the cam's radius r:
- *   helix    g = r tan(lead_angle) psi.
- *   ellipse  The unwrapped groove (x = r psi, z) is an arc of an ellipse with semi-axes a along x and
- *            b along z. It starts at lead_angle and steepens (kappa = +1) or flattens (kappa = -1):
- *            S = S0 + kappa r psi/a, S0 = sin(atan(a/b tan(lead_angle))),
- *            g = kappa b (sqrt(1 - S0^2) - sqrt(1 - S^2)), valid while 0 <= S < 1.
- *   table    A curve through samples (psi, z), see groove_table.h. */
+/* Groove laws: the rise z = g(psi) of the pin when it turns by psi relative to its cam, g(0) = 0, g' >= 0. Helix, ellipse
+ * and table are those of docs/mechanism.md, section 2, with a, b and kappa for h_x, h_z and chi. */
 #ifndef DUALCAM_GROOVE_H
 #define DUALCAM_GROOVE_H
 

@@ -35,7 +35,7 @@ static ParameterText parameter_text(const Params *p, int i) {
 /* The last theta between 0 and `stop` at which the grooves meet, by bisection. */
 static double last_reachable(const Groove groove[2], double stop) {
     double good = 0.0, bad = stop;
-    for (int i = 0; i < PIN_MAX_ITERATIONS; i++) {
+    for (int i = 0; i < ROOT_MAX_ITERATIONS; i++) {
         const double middle = 0.5 * (good + bad);
         if (middle == good || middle == bad) break;
         if (pin_is_reachable(groove, middle)) good = middle;

@@ -1,13 +1,77 @@
 #include "geometry/groove_table.h"
 
 #include <math.h>
-#include <stdint.h>
 #include <stdlib.h>
 
 #include "elementary/elementary.h"
+#include "model/csv_file.h"
 #include "model/sampled_curve.h"
 #include "numerics/tolerances.h"
 #include "platform/attributes.h"
+
+/* ---- the file ---- */
+
+static const char *const HEADER = "psi_rad,z_m";
+
+static bool is_in_order(const CsvFile *csv, Sample before, Sample sample) {
+    if (!(sample.psi > before.psi))
+        return csv_refuse(csv, "line %zu: psi_rad = %s must be > %s, that of the line before", csv->line,
+                          shortest_decimal(sample.psi).text, shortest_decimal(before.psi).text);
+    if (!(sample.z >= before.z))
+        return csv_refuse(csv, "line %zu: z_m = %s must be >= %s, that of the line before", csv->line,
+                          shortest_decimal(sample.z).text, shortest_decimal(before.z).text);
+    return true;
+}
+
+/* Reads all lines after the header. samples->sample has space for SAMPLES_MAX samples. */
+static bool read_samples(CsvFile *csv, Samples *samples) {
+    while (!csv_at_end(csv)) { /* at most one turn per character of the file */
+        const size_t k = samples->count;
+        if (k == SAMPLES_MAX)
+            return csv_refuse(csv, "the table is too long: at most %d points are allowed", SAMPLES_MAX);
+        double value[2];
+        if (!csv_row(csv, 2, "two finite numbers \"psi_rad,z_m\", like \"0.25,0.005\"", value)) return false;
+        samples->sample[k] = (Sample){value[0], value[1]};
+        if (k > 0 && !is_in_order(csv, samples->sample[k - 1], samples->sample[k])) return false;
+        samples->count++;
+    }
+    return true;
+}
+
+static bool check_whole(const CsvFile *csv, const Samples *samples) {
+    if (samples->count < SAMPLES_MIN)
+        return csv_refuse(csv, "%zu points, but there must be at least %d", samples->count, SAMPLES_MIN);
+    const double first = samples->sample[0].psi, last = samples->sample[samples->count - 1].psi;
+    if (!(first <= 0.0 && last >= 0.0))
+        return csv_refuse(csv, "psi_rad goes from %s to %s, but it must include 0, from where z counts",
+                          shortest_decimal(first).text, shortest_decimal(last).text);
+    return true;
+}
+
+static bool parse(CsvFile *csv, Samples *samples) {
+    if (csv_header(csv, &HEADER, 1) < 0) return false;
+    samples->sample = malloc(SAMPLES_MAX * sizeof samples->sample[0]);
+    if (!samples->sample) return csv_refuse(csv, "not enough memory for it, fewer points must do");
+    return read_samples(csv, samples) && check_whole(csv, samples);
+}
+
+COLD bool samples_read(Samples *samples, const char *path, const char *resources, const char *variable, Fault *fault) {
+    *samples = (Samples){.sample = NULL};
+    CsvFile csv = {.variable = variable, .path = path, .fault = fault};
+    if (path[0] == '\0') return csv_refuse(&csv, "a table profile must name a CSV file");
+    if (!csv_open(&csv, path, resources, variable, fault)) return false;
+    const bool good = parse(&csv, samples);
+    csv_close(&csv);
+    if (!good) samples_free(samples);
+    return good;
+}
+
+void samples_free(Samples *samples) {
+    free(samples->sample);
+    *samples = (Samples){.sample = NULL};
+}
+
+/* ---- the curve ---- */
 
 static CurveSamples curve_of(const Samples *s) {
     return (CurveSamples){&s->sample[0].psi, &s->sample[0].z, s->count, sizeof(Sample) / sizeof(double)};
@@ -34,14 +98,10 @@ static bool is_finite_piece(const TablePiece *p) {
     return isfinite(sum) && isfinite(4.0 * sum / p->width);
 }
 
+enum { PIECE_DOUBLES = sizeof(TablePiece) / sizeof(double) };
+
 static const TablePiece *find(const Table *table, double psi) {
-    size_t low = 0, high = table->count; /* piece[low].psi <= psi < piece[high].psi */
-    while (high - low > 1) {             /* at most 64 turns: the interval halves */
-        const size_t middle = low + (high - low) / 2;
-        if (psi >= table->piece[middle].psi) low = middle;
-        else high = middle;
-    }
-    return &table->piece[low];
+    return &table->piece[curve_interval(&table->piece->psi, PIECE_DOUBLES, table->count, psi)];
 }
 
 /* The rise since the start of the piece, and derivatives, at the share t of its width. Slope and rise are sums of terms
@@ -97,21 +157,11 @@ GroovePoint table_at(const Table *table, double psi) {
     return point;
 }
 
-static const TablePiece *find_height(const Table *table, double z) {
-    size_t low = 0, high = table->count;
-    while (high - low > 1) { /* at most 64 turns: the interval halves */
-        const size_t middle = low + (high - low) / 2;
-        if (z >= table->piece[middle].z) low = middle;
-        else high = middle;
-    }
-    return &table->piece[low];
-}
-
 /* Newton's method inside a bracket, with bisection where the curve is too flat for Newton's method. */
 double table_angle(const Table *table, double z) {
-    const TablePiece *p = find_height(table, z);
+    const TablePiece *p = &table->piece[curve_interval(&table->piece->z, PIECE_DOUBLES, table->count, z)];
     double low = 0.0, high = 1.0, t = 0.5;
-    for (int i = 0; i < TABLE_MAX_ITERATIONS; i++) {
+    for (int i = 0; i < BRACKET_ITERATIONS; i++) {
         const GroovePoint point = piece_value(p, t);
         const double excess = p->z + point.z - z;
         if (excess == 0.0) break;

@@ -1,4 +1,5 @@
-/* The curve through the samples of a groove: that of sampled_curve.h. Monotone samples give a monotone curve. z is
+/* Samples of a groove from a CSV file, header `psi_rad,z_m`, then two numbers per line; and the curve through them, that
+ * of sampled_curve.h. Monotone samples give a monotone curve. z is
  * measured from the curve's value at psi = 0. */
 #ifndef DUALCAM_GROOVE_TABLE_H
 #define DUALCAM_GROOVE_TABLE_H
@@ -6,7 +7,26 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "geometry/groove_csv.h"
+#include "model/fault.h"
+
+typedef struct {
+    double psi; /* rad */
+    double z;   /* m */
+} Sample;
+
+/* psi strictly increases and includes 0; z does not decrease. */
+typedef struct {
+    Sample *sample; /* owned */
+    size_t count;
+} Samples;
+
+/* Reads the file `path`, which is absolute or relative to the directory `resources` (NULL: there is none).
+ * `variable` is the name of the parameter that holds the path, for messages. On failure returns false with the
+ * reason in `fault`; `samples` is then empty. */
+bool samples_read(Samples *samples, const char *path, const char *resources, const char *variable, Fault *fault);
+
+/* Safe on zeroed Samples, and twice. */
+void samples_free(Samples *samples);
 
 /* A groove law at one angle: g, g', g'' in m, m/rad, m/rad^2. */
 typedef struct {

@@ -29,7 +29,7 @@ double pin_gamma(const Groove groove[2], double theta, double guess) {
     GammaRange in = pin_gamma_range(groove, theta);
     double gamma = guess >= in.lower && guess <= in.upper ? guess : 0.5 * (in.lower + in.upper);
     double last_step = INFINITY;
-    for (int i = 0; i < PIN_MAX_ITERATIONS; i++) {
+    for (int i = 0; i < ROOT_MAX_ITERATIONS; i++) {
         const double phi = theta - gamma;
         const GroovePoint p1 = groove_at(&groove[0], gamma), p2 = groove_at(&groove[1], phi);
         const double f = p1.z - p2.z, slope = p1.slope + p2.slope;
@@ -37,11 +37,11 @@ double pin_gamma(const Groove groove[2], double theta, double guess) {
         else in.upper = gamma;
         double next = gamma - f / slope;
         const bool inside = next >= in.lower && next <= in.upper;
-        if (fabs(f) <= PIN_ROUNDING * fabs(p1.z)) return inside ? next : gamma;
+        if (fabs(f) <= ROOT_WIDTH * fabs(p1.z)) return inside ? next : gamma;
         if (!inside || fabs(next - gamma) > 0.5 * last_step) next = 0.5 * (in.lower + in.upper);
         last_step = fabs(next - gamma);
         gamma = next;
-        if (last_step <= PIN_ROUNDING * max_of(fabs(gamma), fabs(phi))) return gamma;
+        if (last_step <= ROOT_WIDTH * max_of(fabs(gamma), fabs(phi))) return gamma;
     }
     return gamma;
 }

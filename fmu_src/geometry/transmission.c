@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "geometry/pin_position.h"
+#include "model/sampled_curve.h"
 #include "numerics/tolerances.h"
 #include "platform/attributes.h"
 
@@ -30,12 +31,8 @@ bool transmission_is_of(const Transmission *transmission, const Params *p) {
 /* ---- reading ---- */
 
 const TransmissionPiece *transmission_piece(const Transmission *transmission, double theta, int direction) {
-    size_t low = 0, high = transmission->count; /* piece[low].lower <= theta < piece[high].lower */
-    while (high - low > 1) {                    /* at most 64 turns: the interval halves */
-        const size_t middle = low + (high - low) / 2;
-        if (theta >= transmission->piece[middle].lower) low = middle;
-        else high = middle;
-    }
+    const size_t spacing = sizeof(TransmissionPiece) / sizeof(double);
+    const size_t low = curve_interval(&transmission->piece->lower, spacing, transmission->count, theta);
     const TransmissionPiece *piece = &transmission->piece[low];
     const double near = BREAKPOINT_MERGING * (piece->upper - piece->lower);
     if (direction > 0 && low + 1 < transmission->count && theta >= piece->upper - near) return piece + 1;

@@ -1,4 +1,5 @@
-/* The construction of a transmission from parameters. */
+/* The construction of a transmission from parameters: polynomials from breakpoint to breakpoint, halved until each is
+ * accurate. */
 #ifndef DUALCAM_TRANSMISSION_BUILD_H
 #define DUALCAM_TRANSMISSION_BUILD_H
 

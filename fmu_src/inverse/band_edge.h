@@ -1,16 +1,11 @@
-/* One edge of the stick band along the angle x of cam 2, where the shaft is elastic.
- *
- * On the edge cam 2 carries the torque E(x) = rho F_0 (docs/mechanism.md, section 3). The shaft, of stiffness K, gives
- * this torque while its far end is at the holding angle
- *     theta_h(x) = x + E(x)/K
- * While cam 2 slips, the far end is at theta_h(x). Where theta_h falls in the direction of motion, cam 2 cannot rest:
- * it snaps to an x where theta_h has recovered. A reversal is an x where theta_h changes between rising and falling, or
- * jumps down because another pair of flanks takes over. */
+/* One edge E(x) = rho F_0 of the stick band along the angle x of cam 2, where the shaft is elastic, and the holding angle
+ * theta_h(x) = x + E(x)/K of its far end (docs/mechanism.md, section 7). A reversal is an x where theta_h changes between
+ * rising and falling, or jumps down because another pair of flanks takes over. */
 #ifndef DUALCAM_BAND_EDGE_H
 #define DUALCAM_BAND_EDGE_H
 
-#include "contact/contact_statics.h"
 #include "geometry/transmission.h"
+#include "inverse/contact_statics.h"
 #include "model/params.h"
 
 typedef struct {

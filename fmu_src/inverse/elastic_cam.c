@@ -38,18 +38,9 @@ static void slip_integrand(const void *scene, double x, QuadratureSample *out) {
     for (int i = 0; i < 2 && point.finite; i++) {
         out->rate[RATE_HEAT_CAM1 + i] = edge->direction * contact_statics_heat(&point.statics, &point.forces, i);
         out->size[SIZE_REACTION1 + i] = fabs(point.forces.x[i]) * cam_length(&point.statics.geometry, i) / p->contacts;
+        if (has_wear(p))
+            out->rate[RATE_SLIDING1 + i] = edge->direction * contact_statics_sliding(&point.statics, &point.forces, i);
     }
-}
-
-/* Reaction times sliding distance per radian of x. */
-static void sliding_integrand(const void *scene, double x, QuadratureSample *out) {
-    const BandEdge *edge = &((const SlipPath *)scene)->edge;
-    EdgePoint point;
-    band_edge_at(edge, x, &point);
-    const bool known = isfinite(point.torque) && !work_is_spent(edge->work);
-    *out = (QuadratureSample){.branch = known ? edge_point_branch(&point) : -1};
-    for (int i = 0; i < 2 && point.finite; i++)
-        out->rate[RATE_HEAT_CAM1 + i] = edge->direction * contact_statics_sliding(&point.statics, &point.forces, i);
 }
 
 static double sample_angle(double from, double to, int k, int count) {
@@ -80,16 +71,10 @@ static bool book_slip(SlipPath *path, Quadrature *quadrature, double from, doubl
 }
 
 static bool book_path(SlipPath *path, const ElasticCam *cam, double from, double to) {
-    Quadrature *slip = cam->quadrature, *sliding = cam->sliding;
-    slip->integrand = slip_integrand;
-    slip->scene = path;
-    if (sliding != NULL) {
-        sliding->integrand = sliding_integrand;
-        sliding->scene = path;
-    }
-    const bool booked = (sliding == NULL || quadrature_over(sliding, from, to)) && book_slip(path, slip, from, to);
-    slip->scene = NULL; /* the path ends with the call */
-    if (sliding != NULL) sliding->scene = NULL;
+    cam->quadrature->integrand = slip_integrand;
+    cam->quadrature->scene = path;
+    const bool booked = book_slip(path, cam->quadrature, from, to);
+    cam->quadrature->scene = NULL; /* the path ends with the call */
     return booked;
 }
 

@@ -14,7 +14,6 @@ typedef struct {
     double F_ext;           /* N */
     double F_ext_rate;      /* N/s; 0 inside a step, where F_ext is constant over each of many intervals */
     Quadrature *quadrature; /* books work and heat of the motion, or NULL */
-    Quadrature *sliding;    /* reaction times sliding distance as rates of heat; NULL where nothing wears */
     Work *work;             /* counts evaluations, or NULL */
     bool moved;             /* set once cam 2 has moved */
 } ElasticCam;

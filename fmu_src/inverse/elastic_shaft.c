@@ -1,8 +1,14 @@
 #include "inverse/elastic_shaft.h"
 
+#include <math.h>
+#include <stdio.h>
+
 #include "elementary/elementary.h"
 #include "inverse/band_edge.h"
+#include "inverse/step_booking.h"
 #include "model/friction_law.h"
+#include "numerics/sign.h"
+#include "numerics/tolerances.h"
 
 static BandEdge edge_of(const ElasticCam *cam, double theta, int direction) {
     return (BandEdge){
@@ -103,4 +109,112 @@ void elastic_shaft_present(const Inverse *m, ElasticShaftState *out) {
     elastic_cam_follow(&cam, m->state.theta, theta);
     if (work_is_spent(&work)) cam.x = NAN;
     elastic_shaft_state(&cam, theta, m->inputs.omega[0], out);
+}
+
+/* ---- one step ---- */
+
+typedef struct {
+    ElasticCam cam;
+    Quadrature quadrature;
+    InverseState *next; /* theta, mode, events and direction go along with cam 2 */
+} ElasticStep;
+
+static void enter_mode(InverseState *state, Mode mode) {
+    if (state->mode == mode) return;
+    state->events++;
+    state->mode = mode;
+}
+
+static void raise_peaks(ElasticStep *step, double theta) {
+    ElasticShaftState now;
+    elastic_shaft_state(&step->cam, theta, 0.0, &now);
+    double *peak = step->quadrature.peak;
+    peak[SIZE_TORQUE] = max_of(peak[SIZE_TORQUE], fabs(now.tau));
+    for (int i = 0; i < 2; i++) peak[SIZE_REACTION1 + i] = max_of(peak[SIZE_REACTION1 + i], fabs(now.reaction[i]));
+}
+
+/* The far end goes to theta in one direction, at constant F_ext. `opens`: it begins a monotone part of the motion. */
+static bool move_far_end(ElasticStep *step, double theta, double F_ext, bool opens) {
+    ElasticCam *cam = &step->cam;
+    InverseState *next = step->next;
+    const int direction = sign_of(theta - next->theta);
+    cam->F_ext = F_ext;
+    if (!elastic_cam_relax(cam, next->theta)) return false;
+    raise_peaks(step, next->theta);
+    if (direction == 0) return true;
+    if (opens) {
+        ElasticShaftState start;
+        elastic_shaft_state(cam, next->theta, direction, &start);
+        enter_mode(next, start.mode);
+    }
+    cam->moved = false;
+    if (!elastic_cam_slip(cam, next->theta, theta, direction)) return false;
+    if (cam->moved) {
+        enter_mode(next, direction > 0 ? MODE_LOADING : MODE_RELEASING);
+        next->direction = direction;
+    }
+    next->theta = theta;
+    raise_peaks(step, theta);
+    return true;
+}
+
+static bool is_constant(const Bernstein *p) {
+    for (int i = 1; i <= p->degree; i++)
+        if (p->c[i] != p->c[0]) return false;
+    return true;
+}
+
+/* One monotone part of the motion, from s = a to b. The first and the last interval of F_ext have half the length, and
+ * F_ext is its value at a and at b there. So cam 2, while it slips, ends on the edge of the band. */
+static bool follow_part(ElasticStep *step, const ImposedMotion *motion, double a, double b) {
+    const int intervals = is_constant(&motion->F_ext) ? 0 : ELASTIC_FORCE_INTERVALS;
+    for (int k = 0; k <= intervals; k++) {
+        const double end = k == intervals ? b : a + (b - a) * (k + 0.5) / intervals;
+        const double sample = k == 0 ? a : a + (b - a) * k / intervals;
+        if (!move_far_end(step, imposed_theta(motion, end), bernstein_value(&motion->F_ext, sample), k == 0))
+            return false;
+    }
+    return true;
+}
+
+static bool follow_motion(ElasticStep *step, const ImposedMotion *motion) {
+    const Bernstein *theta = &motion->theta, *F_ext = &motion->F_ext;
+    double crossing[BERNSTEIN_MAX + 1], a = 0.0;
+    const int count = bernstein_crossings(&motion->dtheta_ds, crossing);
+    crossing[count] = 1.0;
+    if (!move_far_end(step, theta->c[0], F_ext->c[0], true)) return false; /* the inputs may have jumped */
+    for (int k = 0; k <= count; k++) {
+        if (!follow_part(step, motion, a, crossing[k])) return false;
+        a = crossing[k];
+    }
+    return move_far_end(step, theta->c[theta->degree], F_ext->c[F_ext->degree], false);
+}
+
+static double shaft_energy(const Inverse *m, double theta, double x) {
+    return 0.5 * m->params.shaft.stiffness * (theta - x) * (theta - x);
+}
+
+bool elastic_shaft_advance(const Inverse *m, const ImposedMotion *motion, double omega, InverseState *next,
+                           Fault *fault) {
+    const double shaft_before = shaft_energy(m, next->theta, next->cam);
+    ElasticStep step = {.next = next, .quadrature = step_booking_begin(m, &next->ledger)};
+    step.cam = (ElasticCam){.m = m, .x = next->cam, .work = m->work};
+    if (m->params.ledger) step.cam.quadrature = &step.quadrature;
+    if (!follow_motion(&step, motion)) {
+        snprintf(fault->text, sizeof fault->text,
+                 "theta = %s: cam 2 cannot pass the angle %s rad, where the contacts wedge; allowed is motion that "
+                 "ends before this angle",
+                 shortest_decimal(next->theta).text, shortest_decimal(step.quadrature.bad).text);
+        return false;
+    }
+    const double fastest = fabs(imposed_omega(motion, bernstein_peak(&motion->dtheta_ds)));
+    step.quadrature.peak[SIZE_OMEGA] = max_of(step.quadrature.peak[SIZE_OMEGA], fastest);
+    next->cam = step.cam.x;
+    next->omega = omega;
+    if (m->params.ledger)
+        step_booking_finish(m, &step.quadrature, shaft_energy(m, next->theta, next->cam) - shaft_before, &next->ledger);
+    ElasticShaftState end;
+    elastic_shaft_state(&step.cam, next->theta, omega, &end);
+    enter_mode(next, end.mode);
+    return true;
 }

@@ -1,18 +1,14 @@
 /* Inverse dynamics with an elastic shaft: the angle theta of its far end is imposed, and cam 2, at angle x, follows as
- * friction lets it. The law is kinetostatic and independent of rate (docs/mechanism.md, sections 6 and 7):
- *     tau = K (theta - x),    T_release(x) <= tau <= T_load(x)
- * Inside the stick band friction holds x. Where tau would leave the band, x moves just so far that tau is on the edge:
- * loading, to the first x with theta <= x + T_load(x)/K. Where this sum falls along the motion (a soft shaft, an edge
- * that falls), x snaps to where the sum has recovered. The energy that the shaft then releases and friction does not
- * take counts as heat of the damper. An end stop holds x against any torque that presses into it.
+ * friction lets it (docs/mechanism.md, section 7). An end stop holds x against any torque that presses into it.
  *
  * Work: d(K (theta - x)^2/2) = tau (dtheta - dx), so work_in = change of the shaft's energy + integral of tau dx. */
 #ifndef DUALCAM_ELASTIC_SHAFT_H
 #define DUALCAM_ELASTIC_SHAFT_H
 
-#include "contact/contact_statics.h"
+#include "inverse/contact_statics.h"
 #include "inverse/elastic_cam.h"
 #include "inverse/inverse_state.h"
+#include "model/fault.h"
 
 /* Cam 2, and what follows from its position. */
 typedef struct {
@@ -38,5 +34,11 @@ void elastic_shaft_state(const ElasticCam *cam, double theta, double omega, Elas
 /* With cam 2 at x and the present inputs: is the torque on the edge of the band in this direction, and is cam 2 free to
  * go on? `forces` are those on the edge. */
 bool elastic_shaft_is_on_edge(const Inverse *m, double x, int direction, ContactForces *forces);
+
+/* Carries `next`, the state at the start, along the motion, which ends at the speed `omega`. In each monotone part of
+ * the motion a polynomial F_ext is followed in ELASTIC_FORCE_INTERVALS intervals of constant F_ext. False, with the
+ * reason, where the contacts wedge on the path of cam 2. */
+bool elastic_shaft_advance(const Inverse *m, const ImposedMotion *motion, double omega, InverseState *next,
+                           Fault *fault);
 
 #endif

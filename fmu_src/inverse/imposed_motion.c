@@ -28,7 +28,7 @@ static Bernstein of_powers(const double *c, int degree) {
     for (int k = 0; k <= degree; k++) size += fabs(c[k]);
     for (int j = 0; j <= degree; j++)
         for (int k = 0; k <= j; k++) p.c[j] += binomial(j, k) / binomial(degree, k) * c[k];
-    if (fabs(p.c[degree]) <= MOTION_END_ROUNDING * size) p.c[degree] = 0.0;
+    if (fabs(p.c[degree]) <= INPUT_ROUNDING * size) p.c[degree] = 0.0;
     return p;
 }
 

@@ -6,9 +6,7 @@
 #include "contact/check.h"
 #include "contact/domain.h"
 #include "inverse/elastic_shaft.h"
-#include "inverse/elastic_shaft_step.h"
 #include "inverse/rigid_shaft.h"
-#include "inverse/rigid_shaft_step.h"
 #include "model/elements.h"
 #include "numerics/tolerances.h"
 
@@ -171,5 +169,5 @@ void inverse_settle(Inverse *m) {
 }
 
 double inverse_indicator(const Inverse *m) {
-    return m->state.direction * m->inputs.omega[0] + INVERSE_INDICATOR_DELAY;
+    return m->state.direction * m->inputs.omega[0] + LATE_SPEED;
 }

@@ -5,14 +5,7 @@
  *
  * May include: platform, elementary, numerics, model, geometry, contact, closed_form, collocation; not forward.
  *
- * With D(v) the damper's force, sigma the direction of motion, and rho and kappa_1 those of the flanks on which the
- * contacts then bear (contact.h),
- *     A = F_s(z) + F_ext + D(v) + m (z' alpha + z'' omega^2)      W = I (gamma' alpha + gamma'' omega^2)
- *     tau = rho A + rho kappa_1 W + b omega + J alpha
- * At rest sigma is the direction of the last motion; before any motion it is loading.
- *
- * With a shaft of finite stiffness K the imposed angle is that of its far end, and cam 2 follows as friction lets it
- * (elastic_shaft.h). Then neither inertia nor damping acts. */
+ * At rest friction acts as in the direction of the last motion; before any motion this is loading. */
 #ifndef DUALCAM_INVERSE_H
 #define DUALCAM_INVERSE_H
 

@@ -1,8 +1,9 @@
-/* Inverse dynamics with a rigid shaft at one instant: cam 2 turns as imposed (docs/mechanism.md, section 7). */
+/* Inverse dynamics with a rigid shaft, at one instant and over a step: cam 2 turns as imposed (docs/mechanism.md,
+ * section 7). */
 #ifndef DUALCAM_RIGID_SHAFT_H
 #define DUALCAM_RIGID_SHAFT_H
 
-#include "contact/contact_statics.h"
+#include "inverse/contact_statics.h"
 #include "inverse/inverse_state.h"
 #include "model/fault.h"
 
@@ -41,5 +42,10 @@ double rigid_shaft_stop_margin(const StopParams *stop);
 
 /* The message for a wedge. */
 void rigid_shaft_describe_wedge(Fault *fault, const OperatingPoint *at);
+
+/* Carries `next`, the state at the start, along the motion, which ends at the speed `omega`. Between two angles inside
+ * the stops a cubic may overshoot a stop: there cam 2 is held at the stop. False, with the reason, if the contacts
+ * wedge during the motion, or if the motion swings too far beyond the stops to be known to the tolerance. */
+bool rigid_shaft_advance(const Inverse *m, const ImposedMotion *motion, double omega, InverseState *next, Fault *fault);
 
 #endif

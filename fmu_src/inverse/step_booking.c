@@ -8,8 +8,7 @@ Quadrature step_booking_begin(const Inverse *m, const Ledger *ledger) {
     };
 }
 
-void step_booking_finish(const Inverse *m, const Quadrature *quadrature, const Quadrature *sliding, double into_shaft,
-                         Ledger *ledger) {
+void step_booking_finish(const Inverse *m, const Quadrature *quadrature, double into_shaft, Ledger *ledger) {
     const double *total = quadrature->total, *peak = quadrature->peak;
     const Booking booking = {
         .work_in = total[RATE_WORK_IN] + into_shaft,
@@ -17,8 +16,8 @@ void step_booking_finish(const Inverse *m, const Quadrature *quadrature, const Q
         .heat_cam = {total[RATE_HEAT_CAM1], total[RATE_HEAT_CAM2]},
         .heat_damper = total[RATE_HEAT_DAMPER],
         .heat_shaft = total[RATE_HEAT_SHAFT],
-        .wear = {wear_per_sliding(&m->params, 0) * sliding->total[RATE_HEAT_CAM1],
-                 wear_per_sliding(&m->params, 1) * sliding->total[RATE_HEAT_CAM2]},
+        .wear = {wear_per_sliding(&m->params, 0) * total[RATE_SLIDING1],
+                 wear_per_sliding(&m->params, 1) * total[RATE_SLIDING2]},
     };
     ledger_book(ledger, &booking);
     if (has_wear(&m->params)) ledger_book_wear(ledger, &booking);

@@ -8,9 +8,7 @@
 /* An empty quadrature at the tolerance of m->params; its peaks begin at those of `ledger`. */
 Quadrature step_booking_begin(const Inverse *m, const Ledger *ledger);
 
-/* Adds the integrals and sets the peaks. `sliding`: its rates of heat are reaction times sliding distance, N.m, which
- * wear is in proportion to. `into_shaft`: J that the elastic shaft stores in this step. */
-void step_booking_finish(const Inverse *m, const Quadrature *quadrature, const Quadrature *sliding, double into_shaft,
-                         Ledger *ledger);
+/* Adds the integrals and sets the peaks. `into_shaft`: J that the elastic shaft stores in this step. */
+void step_booking_finish(const Inverse *m, const Quadrature *quadrature, double into_shaft, Ledger *ledger);
 
 #endif

@@ -3,13 +3,8 @@
  *
  *     mu(v, N) = mu_k [1 + (peak - 1) exp(-(v/v_s)^delta)] ((N^2 + N_0^2)/N_ref^2)^(nu/2) + mu_v v
  *                                                                                  (docs/mechanism.md, section 9)
- * mu_k: kinetic coefficient; peak: static over kinetic coefficient; v_s: Stribeck velocity; delta: 1 (Tustin) or 2
- * (Gauss); mu_v: slope of the lubricated branch (B. Armstrong-Helouvry, P. Dupont, C. Canudas de Wit, Automatica 30,
- * 1994); nu: load exponent; N_0 = NOMINAL_LOAD_LOW N_ref. With peak = 1, mu_v = 0 and nu = 0 the law is Coulomb's.
- *
- * The nominal load is the reaction of one contact that the axial load F = F_s + F_ext + D makes without friction and
- * inertia, N_i = |F| a_j hypot(r_i, a_i)/(n r_i (a_1 + a_2)), j the other cam: an explicit function of theta, omega and
- * time. So mu is known before the balance of forces is solved.
+ * with N_0 = NOMINAL_LOAD_LOW N_ref. The nominal load is an explicit function of theta, omega and time, so that mu is
+ * known before the balance of forces is solved.
  *
  * A table of samples (friction_table.h) replaces this law where the user names one.
  *

@@ -107,7 +107,7 @@ KnotCell friction_table_cell(const double *knot, size_t last, size_t k) {
 static double share_of(const double *knot, size_t last, double overshoot, double from, double to) {
     const bool up = to > from;
     const Vector2 x = {from, from};
-    size_t k = friction_table_find(knot, 0, last + 1, from);
+    size_t k = curve_interval(knot, 1, last + 1, from);
     for (;; k = up ? k + 1 : k - 1) { /* at most one turn per knot */
         const KnotCell cell = friction_table_cell(knot, last, k);
         const KnotSteps step = knot_steps(&cell, &cell, overshoot, x, up);

@@ -5,10 +5,8 @@
  * sample:
  *     u_k(v) = ln mu_jk + c_1 t + ... + c_5 t^5    t = (v - v_j)/(v_{j+1} - v_j) in [0, 1)
  * and u_k is constant beyond the last speed. With one load mu = exp(u_0). With more, ln mu over ln N is the cubic spline
- * through (ln N_k, u_k(v)) with slope zero at the first and the last load, whose second derivatives are linear in u_k (C. de
- * Boor, A Practical Guide to Splines, chapter IV). Beyond these loads mu stays at the last value. So mu is once, between
- * its ends twice continuously differentiable and never negative. Over the speed mu grows or falls nowhere else than the
- * samples do. Higher derivatives jump at the samples; collocation steps end there. */
+ * through (ln N_k, u_k(v)) with slope zero at the first and the last load (C. de Boor, A Practical Guide to Splines, chapter
+ * IV), and constant beyond. Higher derivatives jump at the samples; collocation steps end there. */
 #ifndef DUALCAM_FRICTION_TABLE_H
 #define DUALCAM_FRICTION_TABLE_H
 
@@ -20,11 +18,12 @@
 
 #include "elementary/vector2.h"
 #include "model/params.h"
+#include "model/sampled_curve.h"
 #include "numerics/jet.h"
 #include "numerics/tolerances.h"
 #include "platform/attributes.h"
 
-enum { FRICTION_LOADS_MAX = 16, FRICTION_BUCKETS = 128, FRICTION_BUCKET_BITS = 3 /* 8 buckets in each octave */ };
+enum { FRICTION_LOADS_MAX = 16 };
 
 /* From one knot to the next: samples over the speed or over the load, in whose unit its fields are. Beyond the last knot
  * the upper knot is infinity. */
@@ -54,13 +53,11 @@ typedef struct {
 } FrictionPatch;
 
 struct FrictionTable {
-    size_t count, loads;                   /* of the last speed, the first being 0; number of loads */
-    FrictionPiece *piece;                  /* owned: count + 1 of the first load, then of the next */
-    const FrictionPiece *middle;           /* the first one of the middle one of the loads */
-    double *speed;                         /* owned: m/s, count + 1 of them */
-    int64_t octave;                        /* of the first bucket: a speed's exponent and first bits of its mantissa */
-    uint16_t bucket[FRICTION_BUCKETS + 1]; /* the sample below the first speed of the bucket */
-    double load[FRICTION_LOADS_MAX + 1];   /* N: 0, then the loads */
+    size_t count, loads;                 /* of the last speed, the first being 0; number of loads */
+    FrictionPiece *piece;                /* owned: count + 1 of the first load, then of the next */
+    const FrictionPiece *middle;         /* the first one of the middle one of the loads */
+    double *speed;                       /* owned: m/s, count + 1 of them */
+    double load[FRICTION_LOADS_MAX + 1]; /* N: 0, then the loads */
     double log_load[FRICTION_LOADS_MAX];
     double bend[FRICTION_LOADS_MAX][FRICTION_LOADS_MAX]; /* second derivative of the spline at load k, per u_l */
     FrictionPatch *patch; /* owned; only with more than one load: loads - 1 of the first piece, then of the next */
@@ -75,38 +72,14 @@ typedef struct {
     double by_load;  /* 1/N, dmu/dN */
 } FrictionCoefficient;
 
-/* The greatest index k of low, ..., low + count - 1 with knot[k] <= x; low for smaller x. */
-static inline size_t friction_table_find(const double *knot, size_t low, size_t count, double x) {
-    while (count > 1) { /* at most 64 turns: `count` halves */
-        const size_t half = count / 2;
-        low = x >= knot[low + half] ? low + half : low; /* without a branch: the processor cannot predict the branch */
-        count -= half;
-    }
-    return low;
-}
-
-static inline int64_t friction_table_octave(double v) {
-    int64_t bits;
-    memcpy(&bits, &v, sizeof bits);
-    return bits >> (52 - FRICTION_BUCKET_BITS);
-}
-
-/* The greatest index j with speed[j] <= v; 0 for v < 0. A bucket has few samples unless the samples are close together. */
-static inline size_t friction_table_sample(const FrictionTable *table, double v) {
-    const uint64_t n = (uint64_t)(friction_table_octave(v) - table->octave);
-    const bool is_in_bucket = n < FRICTION_BUCKETS; /* else slower than the first bucket, or beyond the last sample */
-    const size_t low = is_in_bucket ? table->bucket[n] : 0, high = is_in_bucket ? table->bucket[n + 1] : table->count;
-    return friction_table_find(table->speed, low, high - low + 1, v);
-}
-
 /* The piece at the speed v; at the middle one of the loads. */
 static inline const FrictionPiece *friction_table_piece(const FrictionTable *table, double v) {
-    return &table->middle[friction_table_sample(table, v)];
+    return &table->middle[curve_interval(table->speed, 1, table->count + 1, v)];
 }
 
 /* The span of the load N, which lasts to the next load; beyond the loads the first or the last one. */
 static inline size_t friction_table_span(const FrictionTable *table, double N) {
-    return friction_table_find(table->load + 1, 0, table->loads - 1, N);
+    return curve_interval(table->load + 1, 1, table->loads - 1, N);
 }
 
 static inline const FrictionPatch *friction_table_patch(const FrictionTable *table, const FrictionPiece *piece,

@@ -250,17 +250,6 @@ static bool check_powers(const CsvFile *csv, const FrictionSamples *s) {
     return true;
 }
 
-/* The last bucket has the last sample. */
-static void fill_buckets(FrictionTable *table) {
-    table->octave = friction_table_octave(table->speed[table->count]) - FRICTION_BUCKETS + 1;
-    for (int64_t n = 0; n <= FRICTION_BUCKETS; n++) {
-        const int64_t octave = table->octave + n, bits = octave > 0 ? octave << (52 - FRICTION_BUCKET_BITS) : 0;
-        double v;
-        memcpy(&v, &bits, sizeof v);
-        table->bucket[n] = n == 0 ? 0 : (uint16_t)friction_table_find(table->speed, 0, table->count + 1, v);
-    }
-}
-
 static bool fill(FrictionTable *table, FrictionSamples *s) {
     for (size_t j = 0; j < s->speeds; j++) table->speed[j] = s->sample[j].v;
     for (size_t k = 0; k < s->loads; k++) {
@@ -270,7 +259,6 @@ static bool fill(FrictionTable *table, FrictionSamples *s) {
     }
     table->middle = &table->piece[s->loads / 2 * s->speeds];
     table->at_rest = table->middle->mu[0];
-    fill_buckets(table);
     if (s->loads > 1) {
         fill_bends(table);
         fill_patches(table);

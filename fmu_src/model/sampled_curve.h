@@ -32,6 +32,17 @@ typedef struct {
  * follows. */
 void curve_knots(const CurveSamples *samples, bool level_end, CurveKnot *knot);
 
+/* The greatest index k below `count` with x[k spacing] <= at; 0 where all are larger, or at is NaN. */
+static inline size_t curve_interval(const double *x, size_t spacing, size_t count, double at) {
+    size_t low = 0;
+    while (count > 1) { /* at most 64 turns: `count` halves */
+        const size_t half = count / 2;
+        low = at >= x[(low + half) * spacing] ? low + half : low; /* without a branch: it cannot be predicted */
+        count -= half;
+    }
+    return low;
+}
+
 static inline double curve_width(const CurveSamples *s, size_t j) {
     return s->x[(j + 1) * s->spacing] - s->x[j * s->spacing];
 }

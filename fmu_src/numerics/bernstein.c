@@ -62,7 +62,7 @@ static int sign_changes(const Bernstein *p) {
  * values of sign p at the ends are f_left >= 0 and f_right <= 0. */
 static double zero_between(const Bernstein *p, double sign, double left, double f_left, double right, double f_right,
                            double width) {
-    for (int n = 0; n < BERNSTEIN_MAX_ITERATIONS && right - left > width; n++) {
+    for (int n = 0; n < BRACKET_ITERATIONS && right - left > width; n++) {
         const double span = f_left - f_right;
         double x = n % 3 == 2 || !(span > 0.0) ? 0.5 * (left + right) : left + (right - left) * f_left / span;
         if (!(x > left && x < right)) x = 0.5 * (left + right);
@@ -191,24 +191,11 @@ static int first_direction(const double u[4]) {
     return 0;
 }
 
-/* sqrt(x^2 + y^2) for x, y >= 0, not both 0, without a square that overflows */
-static double length_of(double x, double y) {
-    const double larger = max_of(x, y), smaller = min_of(x, y), ratio = smaller / larger;
-    return larger * sqrt(1.0 + ratio * ratio);
-}
-
-/* sqrt(u_2^2 - 2 u_3 u_1), or 0 if that is not real. No square is formed, which could underflow. */
-static double root_of_discriminant(const double u[4]) {
-    const double size = fabs(u[2]), product = sqrt(2.0 * fabs(u[3])) * sqrt(fabs(u[1]));
-    if (sign_of(u[3]) * sign_of(u[1]) < 0) return length_of(size, product);
-    return size > product ? sqrt(size - product) * sqrt(size + product) : 0.0;
-}
-
 /* The times after 0 at which the rate u_1 + u_2 t + u_3 t^2/2 changes its sign, in order; infinity: none. No difference
- * cancels in them. A time may underflow to 0. */
+ * cancels in them. */
 static void turning_times(const double u[4], double t[2]) {
     t[0] = t[1] = INFINITY;
-    const double root = root_of_discriminant(u);
+    const double root = sqrt(max_of(u[2] * u[2] - 2.0 * u[3] * u[1], 0.0));
     if (!(root > 0.0)) return;
     const double sum = u[2] + copysign(root, u[2]);
     if (sign_of(u[1]) * sign_of(sum) < 0) t[0] = -2.0 * u[1] / sum;

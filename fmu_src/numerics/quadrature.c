@@ -42,7 +42,7 @@ static void sample_panel(const Quadrature *s, double from, double to, Panel *pan
 
 /* ---- integrals ---- */
 
-/* Returns the largest difference of the two rules, J. *size is the sum of the magnitudes of all rates, J. */
+/* Returns the largest difference of the two rules, J. *size is the sum of the magnitudes of all energies, J. */
 static double integrate(const Panel *panel, double total[RATE_COUNT], double *size) {
     const double half = 0.5 * (panel->x[POINTS - 1] - panel->x[0]);
     double error = 0.0;
@@ -56,6 +56,7 @@ static double integrate(const Panel *panel, double total[RATE_COUNT], double *si
             if (j % 2 == 1) gauss += GAUSS[mirrored(j) / 2] * rate;
         }
         total[c] = half * kronrod;
+        if (c >= RATE_ENERGIES) continue;
         error = max_of(error, fabs(half * (kronrod - gauss)));
         *size += fabs(half) * magnitude;
     }
@@ -80,7 +81,7 @@ static double magnitude_at(const void *context, double x) {
 /* The largest value of magnitude c between a and b. */
 static double maximum(const Quadrature *s, int c, double a, double b) {
     const Magnitude magnitude = {s, c};
-    return golden_section_maximum(magnitude_at, &magnitude, a, b, QUADRATURE_PEAK_STEPS).value;
+    return golden_section_maximum(magnitude_at, &magnitude, a, b, GOLDEN_STEPS).value;
 }
 
 static void raise_peaks(Quadrature *s, const Panel *panel) {
@@ -118,7 +119,7 @@ static void find_change(const Quadrature *s, double a, double b, int branch, dou
 /* The scale of an interval. */
 typedef struct {
     double width;
-    double size; /* J, sum of the magnitudes of all rates, nearly */
+    double size; /* J, sum of the magnitudes of all energies, nearly */
 } Scale;
 
 static bool cover(Quadrature *s, const Scale *whole, double from, double to, int depth);
@@ -163,8 +164,8 @@ static bool cover(Quadrature *s, const Scale *whole, double from, double to, int
         find_change(s, panel.x[change - 1], panel.x[change], panel.sample[change - 1].branch, &before, &after);
         return cover_both(s, scale, from, before, after, to, depth);
     }
-    const double allowed =
-        max_of(s->tolerance * max_of(size, QUADRATURE_NEGLIGIBLE * scale->size), QUADRATURE_ROUNDING * size);
+    const double allowed = s->rounding + max_of(s->tolerance * max_of(size, QUADRATURE_NEGLIGIBLE * scale->size),
+                                                QUADRATURE_ROUNDING * size);
     if (error > allowed && !spent) {
         const double middle = 0.5 * (from + to);
         return cover_both(s, scale, from, middle, middle, to, depth);

@@ -8,12 +8,13 @@
 
 #include <stdbool.h>
 
-enum { RATE_WORK_IN, RATE_WORK_EXT, RATE_HEAT_CAM1, RATE_HEAT_CAM2, RATE_HEAT_DAMPER, RATE_HEAT_SHAFT, RATE_COUNT };
+enum { RATE_WORK_IN, RATE_WORK_EXT, RATE_HEAT_CAM1, RATE_HEAT_CAM2, RATE_HEAT_DAMPER, RATE_HEAT_SHAFT, RATE_ENERGIES };
+enum { RATE_SLIDING1 = RATE_ENERGIES, RATE_SLIDING2, RATE_COUNT }; /* reaction times sliding distance, or 0 */
 enum { SIZE_TORQUE, SIZE_OMEGA, SIZE_REACTION1, SIZE_REACTION2, SIZE_COUNT };
 
 /* Integrands and magnitudes at one point. */
 typedef struct {
-    double rate[RATE_COUNT]; /* J per unit of the coordinate */
+    double rate[RATE_COUNT]; /* J, or N.m, per unit of the coordinate; the energies decide where to divide */
     double size[SIZE_COUNT]; /* N.m, rad/s, N, N: magnitudes whose peaks are wanted */
     int branch;              /* the number of the formula that holds here, or -1: none */
 } QuadratureSample;
@@ -24,6 +25,7 @@ typedef struct {
     Integrand *integrand;
     const void *scene;
     double tolerance;         /* relative to the sum of the magnitudes of all rates */
+    double rounding;          /* J: an error that counts as none */
     double total[RATE_COUNT]; /* J, the integrals are added */
     double peak[SIZE_COUNT];  /* raised to the peaks found */
     double bad;               /* a point where no formula holds, if quadrature_over() has returned false */

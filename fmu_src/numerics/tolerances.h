@@ -21,29 +21,33 @@ enum { BERNSTEIN_MAX_DEPTH = 48 };
  * errs by the square of this share. */
 static const double BERNSTEIN_ZERO_WIDTH = 1e-15, BERNSTEIN_PEAK_WIDTH = 1e-10;
 
-/* Steps of bisection and regula falsi at most; bisection alone needs 50. */
-enum { BERNSTEIN_MAX_ITERATIONS = 100 };
-
 /* A polynomial through its values at the start and at the nodes of a collocation method exceeds the range of these
  * values by less than this share of the range: the Lebesgue constants of the nodes are below 2.2. */
 static const double BEYOND_NODES = 0.6;
 
 /* root */
 
-/* Iterations at most; the method takes at most three times those of bisection, which are 64 for all doubles. */
-enum { ROOT_MAX_ITERATIONS = 200 };
+/* Iterations of root finders at most: where the root is one of all doubles, which bisection alone finds in 64 and the methods
+ * of the core in at most three times as many; and where it lies in a bracket of known size, which takes 60 halvings. */
+enum { ROOT_MAX_ITERATIONS = 200, BRACKET_ITERATIONS = 100 };
 
-/* Share of |x| at which a bracket holds no double inside. Halvings of any interval of doubles at most: DBL_MAX to 5e-324. */
+/* Halvings of any interval of doubles at most: DBL_MAX to 5e-324. */
 enum { BISECTIONS_MAX = 2200 };
+
+/* Share of |x| at which a bracket holds no double inside, and a step of an iteration is rounding. Of the angle of the pin ten
+ * times larger: tests/test_groove.py fails, in the test of a transmission. */
 static const double ROOT_WIDTH = 2.0 * DBL_EPSILON;
+
+/* golden section */
+
+/* Steps in the search for a peak: 0.618^40 = 4e-9 of the interval, and the value errs by the square. */
+enum { GOLDEN_STEPS = 40 };
 
 /* quadrature */
 
 /* Halvings of a panel, and panels in all, at most: they bound the work whatever the integrand is. */
 enum { QUADRATURE_MAX_DEPTH = 40, QUADRATURE_MAX_PANELS = 20000 };
 
-/* Golden sections in the search for a peak: 0.618^40 = 4e-9 of the interval, and the value errs by the square. */
-enum { QUADRATURE_PEAK_STEPS = 40 };
 /* Panels below this share of the interval are not divided where formulas change: rounding may change them often. */
 static const double QUADRATURE_NARROW = 1e-6;
 
@@ -57,6 +61,10 @@ static const double QUADRATURE_ROUNDING = 16.0 * DBL_EPSILON;
 static const double QUADRATURE_PEAK_ROUNDING = 4.0 * DBL_EPSILON;
 
 /* ---- model ---- */
+
+/* Share of what adds up to it below which a coefficient of an input's polynomial is rounding: a difference of the samples of
+ * a ramp, or a speed that is zero at the end of a step, which makes no reversal just before the end. */
+static const double INPUT_ROUNDING = 8.0 * DBL_EPSILON;
 
 /* Share s of spring_terms(), at most: where F_s begins with z^2 or z^3, the rounding of z changes F_s at z = 0 in second order. */
 static const double SPRING_BENDS = 2e-12;
@@ -81,19 +89,9 @@ enum { SAMPLES_MIN = 4, SAMPLES_MAX = 100000 };
  * times larger: tests/test_groove.py fails, in the test of a transmission with a dwell. */
 static const double TABLE_ROUNDING = 1e-16;
 
-/* Newton steps or bisections at most; bisection alone needs 53. */
-enum { TABLE_MAX_ITERATIONS = 100 };
-
 /* S = sin(lead angle) of an elliptical groove may come this close to 1, where tan(lead angle) is 7e4 b/a: beyond, the
  * groove counts as vertical. Ten times larger: tests/test_groove.py fails, in the test of the ends of an ellipse. */
 static const double ELLIPSE_VERTICAL = 1e-10;
-
-/* Newton's method for gamma ends where its step, or the gap between both grooves, is this share of the angle or of z.
- * Ten times larger: tests/test_groove.py fails, in the test of a transmission. */
-static const double PIN_ROUNDING = 2.0 * DBL_EPSILON;
-
-/* Newton steps or bisections at most: bisection of all doubles takes 64 or, for those near zero, some more. */
-enum { PIN_MAX_ITERATIONS = 200 };
 
 /* A groove with tan(lead angle) below this value counts as level. */
 static const double LEVEL_SLOPE = 1e-9;
@@ -177,17 +175,17 @@ static const double LINEAR_START_SHARE = 0.01;
 /* Newton step times the largest rate of the motion, below which the second derivative is constant over the step. */
 static const double LINEAR_NEWTON_SHORT = 0.1;
 
-/* Iterations of the root finder. Every other one halves the bracket, so about 120 reach two neighbouring numbers. */
-enum { LINEAR_ROOT_ITERATIONS = 200 };
-
 /* ---- collocation ---- */
 
-/* Radau step */
-/* Newton's method ends when a correction is this share of what the tolerance allows. */
-static const double RADAU_NEWTON_SHARE = 0.05;
+/* Radau and Lobatto steps */
+/* The iteration ends when a correction is this share of what the tolerance allows. */
+static const double ITERATION_SHARE = 0.05;
 
 /* Share of alpha (without inertia omega), or of the terms that add up to it, below which a correction is rounding. */
-static const double RADAU_ROUNDING = 8.0 * DBL_EPSILON;
+static const double CORRECTION_ROUNDING = 8.0 * DBL_EPSILON;
+
+/* Share of theta by which it is uncertain: the sums of a step, and of the steps before, add up that many roundings. */
+static const double ANGLE_ROUNDING = 64.0 * DBL_EPSILON;
 
 /* Multiple of that rounding which the last correction may have when the iteration no longer converges: the rounding of
  * the forces can be that much larger than the rounding of their sum. */
@@ -209,23 +207,12 @@ static const double RADAU_BEYOND_PIECE = 0.05;
  * stage at which a step begins to lose the digits of its order 2s - 1. */
 static const double RADAU_ERROR_SAFETY = 10.0, RADAU_STIFF_PER_STAGE = 1.7;
 
-/* Share of theta below which an error of the angle is rounding: the sums of a step add up that many roundings. */
-static const double RADAU_ANGLE_ROUNDING = 64.0 * DBL_EPSILON;
-
 /* Share of the terms of the right-hand side below which a defect is their rounding. Seven stages weigh the rounding of
  * their values by up to 10 in the defect. */
 static const double RADAU_FORCE_ROUNDING = 64.0 * DBL_EPSILON;
 
 /* Newton iterations of one trial. A trial that needs more is repeated with a shorter step. */
 enum { RADAU_NEWTON_ITERATIONS = 12 };
-
-/* Edge of the stick band */
-
-/* Share of theta below which a Newton step along the edge is rounding; of the torques on the edge, their rounding. */
-static const double EDGE_ROUNDING = 2.0 * DBL_EPSILON, EDGE_TORQUE_ROUNDING = 8.0 * DBL_EPSILON;
-
-/* Iterations of the root finder; a bisection halves the bracket, so 60 reach two neighbouring numbers. */
-enum { EDGE_ITERATIONS = 100 };
 
 /* Energy balance of a step */
 
@@ -293,9 +280,8 @@ static const double LOCATION_ROUNDING = 4.0 * DBL_EPSILON;
 /* Share of the step before which the time to the stop follows from constant acceleration. */
 static const double LOCATION_BALLISTIC = 1e-3;
 
-/* At a stop: share of the largest angle by which theta is uncertain, since a segment adds up that many roundings; kinetic
- * energy over the energy gained by errors up to which the errors alone have reached the stop. */
-static const double LOCATION_STOP_ROUNDING = 64.0 * DBL_EPSILON, LOCATION_STOP_GAIN = 2.0;
+/* At a stop: kinetic energy over the energy gained by errors up to which the errors alone have reached the stop. */
+static const double LOCATION_STOP_GAIN = 2.0;
 
 enum { LOCATION_ITERATIONS = 150, LOCATION_NEWTON = 30 }; /* steps tried to reach one crossing; before bisection */
 
@@ -314,15 +300,13 @@ static const double LOCATION_DEPARTURE = 2.0; /* exponent by which a deviation t
 enum { LOCATION_TO_BREAKPOINT = 2 };
 
 /* Lobatto step */
-/* Share of what the tolerance allows that the next sweep may change; the same where the change is added: its own error is
- * a tenth or less, and in the scenes of benchmarks.friction_cost less than a hundredth. Factor by which a sweep must reduce the change of
+/* Share of what the tolerance allows that the next sweep may change where the change is added: its own error is a tenth or
+ * less, and in the scenes of benchmarks.friction_cost less than a hundredth. Factor by which a sweep must reduce the change of
  * the sweep before: else Newton's method is faster. Sweeps of one step. */
-static const double LOBATTO_SWEEP_SHARE = 0.05, LOBATTO_LAST_SHARE = 0.5, LOBATTO_CONTRACTION = 0.1;
+static const double LOBATTO_LAST_SHARE = 0.5, LOBATTO_CONTRACTION = 0.1;
 enum { LOBATTO_SWEEPS = 8 };
 
-/* Share of the largest alpha (without inertia omega) below which a change is rounding; of theta, an error. Times the
- * tolerance, the share of theta by which the last sweep may move the end of the step, where friction varies. */
-static const double LOBATTO_ROUNDING = 8.0 * DBL_EPSILON, LOBATTO_ANGLE_ROUNDING = 64.0 * DBL_EPSILON;
+/* Times the tolerance, the share of theta by which the last sweep may move the end of the step, where friction varies. */
 static const double LOBATTO_SHIFT_SHARE = 0.3;
 
 /* Share of the distance to a breakpoint by which a step that aims at it may miss it. Ratio of the cubic term to the
@@ -350,8 +334,8 @@ enum { VARIATION_TRIALS = 300 }; /* parts tried in one step */
 
 /* ---- forward ---- */
 
-/* Torque and load at rest are known to a few roundings, in curved grooves to the digits of the transmission. A
- * difference below this share of their size counts as zero: a tie is rest. */
+/* Torque and load at rest, and along the edge of the stick band, are known to a few roundings, in curved grooves to the
+ * digits of the transmission. At rest a difference below this share of their size counts as zero: a tie is rest. */
 static const double STICK_TIE_STRAIGHT = 8.0 * DBL_EPSILON, STICK_TIE_CURVED = 2e-12;
 
 /* The rounding of the transmission's polynomials is of the largest z and of the largest slope between the stops. These
@@ -393,7 +377,8 @@ static const double NEAR_DWELL = 1e-3;
 /* A solver that integrates for model exchange finds an end stop to this share of the largest angle. */
 static const double AT_STOP = 1e-13;
 
-/* Model exchange: an indicator crosses zero this much late, beyond the tie, so that a reported crossing changes the mode.
+/* Model exchange: an indicator crosses zero this much late, beyond the tie, so that a reported crossing changes the mode, and
+ * rest of an imposed motion, omega = 0, is no event.
  * Stops are not late: to fall on beyond them would make the smallest bounces go on for ever. */
 static const double LATE_SPEED = 1e-10; /* rad/s */
 static const double LATE_TIES = 4.0;    /* ties of torque */
@@ -409,34 +394,18 @@ static const double SOLVER_OVERSHOOT = 0.05;
 static const double PLAY_FIRST_SAMPLE = 1e-6;
 enum { PLAY_SAMPLES = 32 };
 
-/* Play operator: two rules of order 13 that agree to the tolerance are more exact than their difference. The rounding
- * is that of the energies, as a share of their sum. */
+/* Play operator: two rules that agree to the tolerance are more exact than their difference. The rounding is that of the
+ * energies. */
 static const double PLAY_SHARE_OF_TOLERANCE = 0.1, PLAY_ROUNDING = 64.0 * DBL_EPSILON;
-
-/* Play operator: a sampled reaction below this share of the largest reaction so far is not searched for a peak. */
-static const double PLAY_NEAR_PEAK = 0.99;
-
-/* Play operator: parts of an interval at whose ends the reactions are sampled. Beside the largest sample, golden
- * section finds the peak to 4e-9 of its interval, and the value to rounding. */
-enum { PLAY_PEAK_PARTS = 4, PLAY_GOLDEN_STEPS = 40 };
-
-/* Play operator: bounds of the work of one jump. 53 bisections of an interval reach two neighbouring numbers. */
-enum { PLAY_MAX_DEPTH = 30, PLAY_MAX_HALVINGS = 5000, PLAY_MAX_BISECTIONS = 200, PLAY_KINK_BISECTIONS = 100 };
 
 /* Self-locking contacts can wedge and let go again at once (P. Painleve, 1895). */
 enum { MAX_WEDGES_PER_STEP = 1000 };
 
 /* ---- inverse ---- */
 
-/* A coefficient of the imposed polynomial at the end of the step is zero if it is below this share of what adds up to
- * it: a speed that is zero at the end makes no reversal just before the end. */
-static const double MOTION_END_ROUNDING = 8.0 * DBL_EPSILON;
 /* An imposed angle may lie beyond a stop by this share of the range between the stops: masters add up their angles.
  * From 7e-7 on test_refuses_to_go_beyond_the_stops of test_inverse.py fails; ten times the value passes. */
 static const double IMPOSED_STOP_ROUNDING = 1e-9;
-
-/* rad/s: the event indicator changes its sign this late, so that rest, omega = 0, is no event. */
-static const double INVERSE_INDICATOR_DELAY = 1e-10;
 
 /* Rounding of the elastic shaft's torque and of the band's edge, as shares of the sum of the magnitudes that their
  * difference adds up. The tests pass with ten times these values. */
@@ -458,9 +427,9 @@ enum {
 
 /* ---- sensitivity ---- */
 
-/* Share of the torques at the edge of the stick band that remains where the edge holds the torque, and share of the
- * terms of omega below which slip begins at rest. Slip begins with a jump of the speed only where a contact locks. */
-static const double SENSITIVITY_EDGE_HELD = 1e-9, SENSITIVITY_AT_REST = 1e-9;
+/* Share of the torques at the edge of the stick band that remains where the edge holds the torque, and of the terms of omega
+ * below which slip begins at rest. Slip begins with a jump of the speed only where a contact locks. */
+static const double SENSITIVITY_ROUNDING = 1e-9;
 
 /* Distance between the angles of a central difference of order 4, as a share of the width of the transmission's piece.
  * The functions are smooth inside a piece, so that the difference has ten digits. */
@@ -473,8 +442,5 @@ static const double TOLERANCE_DEFAULT = 1e-9, TOLERANCE_MIN = 1e-12, TOLERANCE_M
 
 /* A master adds up its time on its own: the time of a step may differ from the FMU's by this share. */
 static const double TIME_ROUNDING = 1e-12;
-
-/* Share of the largest input value below which differences of sampled inputs are rounding, as those of a ramp are. */
-static const double SAMPLED_INPUT_ROUNDING = 8.0 * DBL_EPSILON;
 
 #endif

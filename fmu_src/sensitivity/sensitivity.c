@@ -2,9 +2,8 @@
 
 #include <stdio.h>
 
-#include "contact/contact_statics.h"
 #include "forward/decide.h"
-#include "forward/outputs.h"
+#include "outputs/outputs.h"
 #include "platform/attributes.h"
 
 /* z(theta) and v = z' omega. */
@@ -15,10 +14,11 @@ NOINLINE void mechanism_axial_partials(const Mechanism *m, int order, Partials *
         out->by[KNOWN_THETA] = dz_dtheta;
         return;
     }
-    const double theta = m->state.theta.hi;
-    const ContactStatics statics =
-        contact_statics_at(&m->params, transmission_piece(&m->model.transmission, theta, 0), theta);
-    out->by[KNOWN_THETA] = statics.d2z_dtheta2 * m->state.omega.hi;
+    const double theta = m->state.theta.hi, *share = m->configuration.geometry.dpsi_dtheta;
+    const TransmissionPoint at =
+        piece_point(transmission_piece(&m->model.transmission, theta, 0), theta, TRANSMISSION_FIRST_DERIVATIVES);
+    const double d2z_dtheta2 = share[0] * share[0] * at.dslope_dtheta[0] + share[1] * share[1] * at.dslope_dtheta[1];
+    out->by[KNOWN_THETA] = d2z_dtheta2 * m->state.omega.hi;
     out->by[KNOWN_OMEGA] = dz_dtheta;
 }
 
@@ -48,9 +48,6 @@ bool mechanism_alpha_partials(const Mechanism *m, Partials *out, Fault *fault) {
         return true;
     }
     const Balance balance = balance_from_here(m, &slip);
-    Partials residual;
-    balance_partials(&slip, &balance, &residual);
-    for (int k = 0; k < KNOWN_COUNT; k++)
-        if (k != KNOWN_ALPHA) out->by[k] = -residual.by[k] / residual.by[KNOWN_ALPHA];
+    balance_response(&slip, &balance, out);
     return true;
 }

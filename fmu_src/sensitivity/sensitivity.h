@@ -4,7 +4,8 @@
  * The room sensitivity/ holds derivatives: partial derivatives of outputs by inputs, states and tunable parameters,
  * time derivatives of the inverse outputs, and the Jacobian of a whole step.
  *
- * May include: platform, elementary, numerics, model, geometry, contact, closed_form, collocation, forward, inverse. */
+ * May include: platform, elementary, numerics, model, geometry, contact, closed_form, collocation, forward, inverse,
+ * outputs. */
 #ifndef DUALCAM_SENSITIVITY_H
 #define DUALCAM_SENSITIVITY_H
 

@@ -1,14 +1,113 @@
 #include "sensitivity/step_sensitivity.h"
 
 #include <math.h>
+#include <stddef.h>
 
-#include "collocation/radau_variation.h"
+#include "collocation/radau_step.h"
+#include "contact/contact.h"
+#include "elementary/elementary.h"
+#include "forward/candidate.h"
 #include "forward/decide.h"
 #include "forward/lifecycle.h"
 #include "forward/step.h"
+#include "forward/stick.h"
 #include "numerics/tolerances.h"
 #include "platform/attributes.h"
-#include "sensitivity/edge_sensitivity.h"
+
+/* ---- the edge E of the stick band, E = rho F_0 ---- */
+
+/* A derivative that does not exist counts as 0. */
+static double finite_or_zero(double x) {
+    return isfinite(x) ? x : 0.0;
+}
+
+/* The torque beyond the edge, tau - E, with derivatives. */
+typedef struct {
+    RightHandSide rhs; /* rate-independent: by_theta is dE/dtheta, `value` the speed along the edge */
+    Partials by;       /* of tau - E by inputs and parameters, N.m per unit; 0 by the state */
+} Excess;
+
+/* Is there a torque that moves cam 2 in `direction`? Then *slip is the slip mode along the edge. */
+static bool edge_slip(const Mechanism *m, int direction, SlipMode *slip) {
+    const int side = stick_axial_load(m) < 0.0 ? -1 : 1; /* the band is mirrored */
+    int flank[2];
+    Transfer transfer;
+    Geometry g = m->configuration.geometry;
+    cam_set_load(&m->params, stick_axial_load(m), &g);
+    if (!contact_edge(&g, side * direction, flank, &transfer)) return false;
+    for (int i = 0; i < 2; i++) flank[i] *= side;
+    *slip = slip_mode_from_here(m, slip_index(direction, flank));
+    slip->regime = REGIME_RATE_INDEPENDENT;
+    return true;
+}
+
+/* At one angle. The residual Delta tau - P F_0 of the edge gives the derivatives: tau - E is the residual over Delta. */
+static Excess edge_excess(const SlipMode *slip, double theta) {
+    Balance on_edge;
+    Excess excess;
+    balance_at(slip, theta, 0.0, 0.0, &on_edge);
+    excess.rhs = on_edge.rhs;
+    on_edge.tau -= on_edge.rhs.net;
+    on_edge.omega = on_edge.damper = 0.0; /* no force depends on the speed */
+    balance_partials(slip, &on_edge, &excess.by);
+    const double delta = excess.by.by[KNOWN_TAU];
+    for (int known = 0; known < KNOWN_COUNT; known++)
+        excess.by.by[known] = known < KNOWN_TAU ? 0.0 : excess.by.by[known] / delta;
+    return excess;
+}
+
+/* The change of theta along the edge, per unit of the known. */
+static double give(const Excess *excess, int known) {
+    return excess->by.by[known] / excess->rhs.by_theta;
+}
+
+/* The changes of theta on the edge, at constant time. 0 where cam 2 rests inside the band. */
+static void edge_give(const Mechanism *m, const Excess *excess, Variation *x) {
+    const double slope = excess->rhs.by_theta;
+    const bool held =
+        fabs(excess->rhs.net) <= SENSITIVITY_ROUNDING * stick_torque_size(m, m->configuration.geometry.dz_dtheta);
+    for (int known = x->first; known < x->end; known++)
+        x->theta[known] = held && slope > 0.0 ? give(excess, known) : 0.0;
+}
+
+/* The times, s per unit, by which the torque passes the edge later, if theta varies as in x: g = tau - E(theta) = 0 comes
+ * later by -dg/(dg/dt). `omega`: rad/s, of cam 2. */
+static void edge_delays(const Mechanism *m, int direction, double omega, const Variation *x,
+                        double delay[KNOWN_COUNT]) {
+    SlipMode slip;
+    const bool exists = edge_slip(m, direction, &slip);
+    Excess excess = {.by = {.by = {0.0}}};
+    if (exists) excess = edge_excess(&slip, m->state.theta.hi);
+    const double *by = excess.by.by, slope = excess.rhs.by_theta;
+    const double rate = m->inputs.tau[1] + by[KNOWN_F_EXT] * m->inputs.F_ext[1] - slope * omega;
+    for (int known = x->first; known < x->end; known++)
+        delay[known] = finite_or_zero(exists ? (slope * x->theta[known] - by[known]) / rate : 0.0);
+}
+
+/* Of a central difference of order 4, times 12. */
+static const double offset[4] = {-2.0, -1.0, 1.0, 2.0}, weight[4] = {1.0, -8.0, 8.0, -1.0};
+
+/* While theta follows the edge, the change of the speed is the time derivative of the change of theta, by a central difference of order 4 along the
+ * motion. F_ext varies at most by a small share of F_0. */
+static void edge_speed_give(const SlipMode *slip, double theta, double omega, Variation *x) {
+    const Inputs *in = slip->inputs;
+    const Excess now = edge_excess(slip, theta);
+    Balance here;
+    balance_at(slip, theta, 0.0, 0.0, &here);
+    const double width = slip->piece->upper - slip->piece->lower;
+    const double t = SENSITIVITY_DIFFERENCE * min_of(width / fabs(omega), fabs(here.force) / fabs(in->F_ext[1]));
+    for (int known = x->first; known < x->end; known++) x->omega[known] = 0.0;
+    for (int k = 0; k < 4; k++) {
+        const Inputs there = {.tau = {in->tau[0]}, .F_ext = {in->F_ext[0] + in->F_ext[1] * offset[k] * t}};
+        SlipMode moved = *slip;
+        moved.inputs = &there;
+        const Excess excess = edge_excess(&moved, theta + omega * offset[k] * t);
+        for (int known = x->first; known < x->end; known++)
+            x->omega[known] += weight[k] * (give(&excess, known) - give(&now, known)) / (12.0 * t);
+    }
+}
+
+/* ---- the variation through a step ---- */
 
 typedef struct {
     Variation x;
@@ -145,18 +244,17 @@ static void find_delay_at_flank(const SlipMode *slip, const Balance *b, Carried 
     const RightHandSide *p = &b->rhs;
     Partials by;
     balance_response(slip, b, &by);
-    const BalanceChange along = {.theta = b->omega,
-                                 .omega = b->alpha,
-                                 .alpha = p->by_time + p->by_theta * b->omega + p->by_omega * b->alpha,
-                                 .axial = slip->inputs->F_ext[1]};
-    const double rate = balance_contact_change(slip, b, i, &along);
+    BalanceRates along;
+    balance_rates(slip, b, 0.0, &along);
     for (int known = v->x.first; known < v->x.end; known++) {
         BalanceChange change = balance_change_by(slip, b, (Known)known);
         change.theta = v->x.theta[known];
         change.omega = v->x.omega[known];
         change.alpha = p->by_theta * change.theta + p->by_omega * change.omega;
         if (known >= KNOWN_TAU) change.alpha += by.by[known];
-        v->delay[known] = finite_or_zero(-balance_contact_change(slip, b, i, &change) / rate);
+        double of_x[2];
+        balance_contact_changes(slip, b, &change, of_x);
+        v->delay[known] = finite_or_zero(-of_x[i] / along.contact[i]);
     }
 }
 
@@ -231,7 +329,7 @@ static void end_delay(const Mechanism *m, Carried *v) {
     if (!is_slip(m->state.mode) || (!v->late && !v->rested)) return;
     const SlipMode slip = present_slip(m);
     const Balance after = balance_from_here(m, &slip);
-    const bool bursts = slip.regime == REGIME_VISCOUS && fabs(after.omega) > SENSITIVITY_AT_REST * after.rhs.size;
+    const bool bursts = slip.regime == REGIME_VISCOUS && fabs(after.omega) > SENSITIVITY_ROUNDING * after.rhs.size;
     if (v->rested && (bursts || slip.regime == REGIME_RATE_INDEPENDENT)) find_delay_at_edge(m, slip.direction, 0.0, v);
     if (slip.regime == REGIME_RATE_INDEPENDENT) return; /* a jump that follows needs the delay */
     for (int known = v->x.first; known < v->x.end; known++) {

@@ -20,7 +20,7 @@
 #ifndef DUALCAM_STEP_SENSITIVITY_H
 #define DUALCAM_STEP_SENSITIVITY_H
 
-#include "forward/state.h"
+#include "outputs/outputs.h"
 
 /* The derivatives of the latest step with the inputs and parameters that it was made with, also if these have been set
  * since. 0 before the first step. Sets the members by state and inputs, or those `by_parameters`, which take longer. */

@@ -10,6 +10,6 @@ package       writes such a system as an SSP package
 coupling      the same package, coupled by FMPy
 parts         controllers, motor and loads as FMUs of C code, with variables and compilation
 hosts         the programs that play a package in a master
-outcome       rows of the tables of docs/ssp.md
-__main__      runs the packages in ecos and libcosim, compares, and writes docs/ssp.md
+outcome       rows of the tables of docs/use-ssp.md
+__main__      runs the packages in ecos and libcosim, compares, and writes docs/use-ssp.md
 """

@@ -1,6 +1,6 @@
 """Runs the examples as SSP packages in ecos and libcosim, and compares with the Python versions.
 
-    ./build.sh run ssp                all, written to docs/ssp.md
+    ./build.sh run ssp                all, written to docs/use-ssp.md
     ./build.sh run ssp --only ecos    one master; nothing is written
 
 The packages go to build/ssp. Each master must agree to rounding with the same FMUs coupled by FMPy in the
@@ -22,6 +22,8 @@ from pathlib import Path
 
 import numpy as np
 
+from benchmarks.harness.circumstances import core_of
+from benchmarks.harness.old_figures import with_line
 from dualcam.ssp import START
 from system_examples.ssp import clamp_runs, compilation, hosts, parts
 from system_examples.ssp.coupling import Columns, couple
@@ -162,9 +164,9 @@ def markdown(
     pythons: Sequence[Outcome],
     clamps: Sequence[Outcome],
 ) -> str:
-    """The page docs/ssp.md."""
+    """The page docs/use-ssp.md."""
     page = (compilation.SOURCES / "page.md").read_text()
-    facts = f"versions: Python {platform.python_version()}, FMPy {version('fmpy')}"
+    facts = f"versions: Python {platform.python_version()}, FMPy {version('fmpy')}, core {core_of()}"
     page = page.replace("<!-- checks -->", "\n".join(table(CHECK_HEAD, checks)))
     page = page.replace("<!-- clamp -->", "\n".join(table(clamp_runs.HEAD, clamps)))
     page = page.replace("<!-- masters -->", "\n".join(table(MASTER_HEAD, masters)))
@@ -201,8 +203,9 @@ def main() -> int:
         sep="\n",
     )
     if only is None:
-        (compilation.ROOT / "docs/ssp.md").write_text(markdown(checks, masters, pythons, clamps))
-        say("written to docs/ssp.md")
+        page = with_line(markdown(checks, masters, pythons, clamps))
+        (compilation.ROOT / "docs/use-ssp.md").write_text(page)
+        say("written to docs/use-ssp.md")
     return int(any(o.wrong for o in (*checks, *masters, *pythons, *clamps)))
 
 

@@ -1,4 +1,4 @@
-"""Rows of the tables of docs/ssp.md."""
+"""Rows of the tables of docs/use-ssp.md."""
 
 from __future__ import annotations
 

@@ -137,7 +137,8 @@ def test_the_sources_compile_from_there_alone_and_run_alike(unzipped3, libraries
     # without optimisation, which takes a third of the time and must give the same digits
     options = ["-std=c17", "-O0", "-fno-sanitize=undefined", "-ffp-contract=off", "-fPIC", "-shared"]
     options += ["-Wall", "-Wextra", "-Wpedantic", "-Werror"]
-    options += ["-DCO_SIMULATION", "-DMODEL_EXCHANGE"]  # as FMPy's create_cmake_project has it
+    # as FMPy's create_cmake_project has it
+    options += ["-DCO_SIMULATION", "-DMODEL_EXCHANGE", "-DFMI3_OVERRIDE_FUNCTION_PREFIX"]
     library = tmp_path / f"{model.identifier}.so"
     sources = sorted(path.relative_to(folder).as_posix() for path in folder.rglob("*.c"))
     command = [*build_fmu.ZIG, *options, "-isystem", headers, *sources, "-lm", "-o", library]

@@ -6,7 +6,6 @@ tests/test_house.py runs every check on this repository and on small trees with 
 
 from __future__ import annotations
 
-import ast
 import re
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -29,19 +28,11 @@ MAY_INCLUDE: dict[str, tuple[str, ...]] = {
     "collocation": ("platform", "elementary", "numerics", "model", "geometry", "contact"),
     "forward": BELOW_DYNAMICS,
     "inverse": BELOW_DYNAMICS,
-    "sensitivity": (*BELOW_DYNAMICS, "forward", "inverse"),
-    "fmi": (*BELOW_DYNAMICS, "forward", "inverse", "sensitivity"),
+    "outputs": (*BELOW_DYNAMICS, "forward"),
+    "sensitivity": (*BELOW_DYNAMICS, "forward", "inverse", "outputs"),
+    "fmi": (*BELOW_DYNAMICS, "forward", "inverse", "outputs", "sensitivity"),
     "web": (),
     "tools": ("fmi",),
-}
-# The file of each room whose first comment says what the room is for, and from which rooms it may include.
-MAIN_HEADER = {room: f"{room}/{room}.h" for room in MAY_INCLUDE if room != "tools"} | {
-    "numerics": "numerics/root.h",
-    "model": "model/params.h",
-    "geometry": "geometry/transmission.h",
-    "closed_form": "closed_form/linear_slip.h",
-    "collocation": "collocation/event_location.h",
-    "forward": "forward/state.h",
 }
 # Files that an #include names without a room: the list of variables, the standards' headers, and the header
 # that the archive of an FMU adds to its sources.
@@ -59,26 +50,6 @@ WITHOUT_BOUNDS = ("tools", "web")  # rooms that no call of a native FMU enters
 MOST_PAIRS = 16  # of one room; a pair is the .c and .h of one stem
 MOST_LINES = {"tests": 800, "system_examples": 800, "case_studies": 800}
 MOST_LINES_ELSEWHERE = 500
-# Words that the field's terms have replaced, in names of files and in C identifiers.
-ABANDONED = (
-    *("leap", "glide", "passage", "walk", "stride", "launch", "launchpad", "knob", "bearing", "burden"),
-    *("survey", "course", "twist"),
-)
-WITHOUT_SYS_PATH = ("dualcam", "system_examples", "case_studies", "benchmarks", "tests")
-PYTHON = (*WITHOUT_SYS_PATH, "fmu_src")
-TESTS_OF_BENCHMARKS = tuple(
-    f"test_{name}.py"
-    for name in (
-        "benchmark_harness",
-        "benchmark_layout",
-        "benchmarks",
-        "coupling",
-        "own_plant",
-        "performance",
-        "stick_slip",
-    )
-)
-EXAMPLES = "system_examples"
 
 INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"', re.MULTILINE)
 COMMENT_OR_TEXT = re.compile(r'/\*.*?\*/|//[^\n]*|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])*\'', re.DOTALL)
@@ -92,8 +63,8 @@ def source_files(root: Path) -> list[Path]:
 
 
 def python_files(root: Path) -> list[Path]:
-    """Python files of the folders PYTHON."""
-    return sorted(path for folder in PYTHON for path in (root / folder).rglob("*.py"))
+    folders = ("dualcam", "system_examples", "case_studies", "benchmarks", "tests", "fmu_src")
+    return sorted(path for folder in folders for path in (root / folder).rglob("*.py"))
 
 
 def includes(root: Path, path: Path) -> list[str]:
@@ -190,66 +161,7 @@ def check_room_sizes(root: Path) -> list[str]:
     ]
 
 
-def first_comment(text: str) -> str:
-    """The C comment at the very start of a text, without its marks; "" if the text starts with code."""
-    match = re.match(r"\s*/\*(.*?)\*/", text, re.DOTALL)
-    return " ".join(match[1].replace("*", " ").split()) if match else ""
-
-
-def to_name(room: str, comment: str) -> list[str]:
-    """Rooms that a comment on the includes of a room must name: the rooms that may be included, or, after the
-    words "every room below", the exceptions."""
-    allowed = MAY_INCLUDE[room]
-    if "every room below" not in comment:
-        return list(allowed)
-    rooms = list(MAY_INCLUDE)
-    return [other for other in rooms[: rooms.index(room)] if other not in allowed]
-
-
-def check_main_headers(root: Path) -> list[str]:
-    """Main headers that are missing, or whose first comment does not describe the room."""
-    found = []
-    for room, name in MAIN_HEADER.items():
-        path = root / "fmu_src" / name
-        if not path.is_file():
-            found.append(f"fmu_src/{name} is missing: the main header of room {room}")
-            continue
-        comment = first_comment(path.read_text(encoding="utf-8"))
-        if len(comment.split()) < 8:
-            found.append(f"fmu_src/{name} does not start with a comment that says what room {room} is for")
-        missing = [other for other in to_name(room, comment) if not re.search(rf"\b{other}\b", comment)]
-        if missing:
-            found.append(
-                f"fmu_src/{name}: the first comment, on what may be included, lacks {', '.join(missing)}"
-            )
-    return found
-
-
-# ---- words and lengths ----
-
-
-def words_of(identifier: str) -> list[str]:
-    """Lower-case words of a snake_case, CamelCase or UPPER_CASE identifier."""
-    return [word.lower() for word in re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+", identifier)]
-
-
-def is_abandoned(identifier: str) -> bool:
-    """Is a word of the identifier, or the singular of one, abandoned?"""
-    return any(word in ABANDONED or word.removesuffix("s") in ABANDONED for word in words_of(identifier))
-
-
-def check_words(root: Path) -> list[str]:
-    """Abandoned words in names of files and in identifiers of C files."""
-    found = []
-    for path in sorted((root / "fmu_src").rglob("*")):
-        if path.is_file() and "__pycache__" not in path.parts and is_abandoned(path.stem):
-            found.append(f"{path.relative_to(root)}: abandoned word in the file's name")
-    for path in [*source_files(root), *(root / "fmu_src").glob("*.def")]:
-        code = COMMENT_OR_TEXT.sub(" ", path.read_text(encoding="utf-8"))
-        identifiers = sorted({name for name in re.findall(r"[A-Za-z_]\w*", code) if is_abandoned(name)})
-        if identifiers:
-            found.append(f"{path.relative_to(root)}: abandoned words in {', '.join(identifiers)}")
-    return found
+# ---- lengths and loops ----
 
 
 def check_lengths(root: Path) -> list[str]:
@@ -297,106 +209,11 @@ def check_loops(root: Path) -> list[str]:
     return found
 
 
-# ---- Python ----
-
-
-def imported(tree: ast.Module) -> Iterator[str]:
-    """Full names of the modules that a Python file imports; a leading dot for a relative import.
-
-    `from a import b` gives "a" and "a.b": b may be a module.
-    """
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Import):
-            yield from (alias.name for alias in node.names)
-        elif isinstance(node, ast.ImportFrom):
-            start = "." * node.level + (node.module or "")
-            yield start
-            inside = f"{start}." if node.module else start
-            yield from (inside + alias.name for alias in node.names)
-
-
-def parse(path: Path) -> ast.Module:
-    return ast.parse(path.read_text(encoding="utf-8"), str(path))
-
-
-def names_sys_path(node: ast.AST) -> bool:
-    if isinstance(node, ast.Attribute):
-        return node.attr == "path" and isinstance(node.value, ast.Name) and node.value.id == "sys"
-    return (
-        isinstance(node, ast.ImportFrom) and node.module == "sys" and "path" in [a.name for a in node.names]
-    )
-
-
-def check_sys_path(root: Path) -> list[str]:
-    """Python files that read or change sys.path."""
-    return [
-        f"{path.relative_to(root)} uses sys.path"
-        for path in python_files(root)
-        if path.relative_to(root).parts[0] in WITHOUT_SYS_PATH
-        and any(map(names_sys_path, ast.walk(parse(path))))
-    ]
-
-
-def entries(folder: Path) -> set[str]:
-    """Names under which files and folders of `folder` can be imported if `folder` is on the module path."""
-    if not folder.is_dir():
-        return set()
-    holds_python = (path for path in folder.iterdir() if path.is_dir() and any(path.rglob("*.py")))
-    return {path.stem for path in folder.glob("*.py")} | {path.name for path in holds_python} - {
-        "__pycache__"
-    }
-
-
-def check_benchmarks_apart(root: Path) -> list[str]:
-    """Files outside benchmarks that import benchmarks; the tests of benchmarks and the verification may.
-
-    A name without "benchmarks." counts as a module of benchmarks unless a file elsewhere has the same name.
-    """
-    inside = [root / "benchmarks", root / "tests" / "verification"]
-    outside = [path for path in python_files(root) if not any(map(path.is_relative_to, inside))]
-    modules = entries(root / "benchmarks") - {path.stem for path in outside} | {"benchmarks"}
-    found = []
-    for path in outside:
-        if path.name not in TESTS_OF_BENCHMARKS:
-            seen = {first: name for name in imported(parse(path)) if (first := name.split(".")[0]) in modules}
-            found += [
-                f"{path.relative_to(root)} imports {name}, part of benchmarks" for name in seen.values()
-            ]
-    return found
-
-
-def check_examples_apart(root: Path) -> list[str]:
-    """Examples that import one another. An example is a file or a folder of system_examples."""
-    found, folder = [], root / EXAMPLES
-    names = entries(folder)
-    for path in sorted(folder.rglob("*.py")):
-        parts = path.relative_to(folder).parts
-        others = names - {Path(parts[0]).stem}
-        inner = entries(path.parent) if len(parts) > 1 else set()
-        seen = {}
-        for name in imported(parse(path)):
-            level = len(name) - len(name.lstrip("."))
-            first, *rest = name.lstrip(".").split(".")
-            if first == EXAMPLES and rest:
-                first = rest[0]
-            elif first in inner or level not in (0, len(parts)):  # within the example's own folder
-                continue
-            if first in others:
-                seen[first] = name
-        found += [f"{path.relative_to(root)} imports {name}, another example" for name in seen.values()]
-    return found
-
-
 CHECKS: dict[str, Callable[[Path], list[str]]] = {
     "rooms": check_rooms,
     "includes": check_includes,
     "circles": check_circles,
     "room sizes": check_room_sizes,
-    "main headers": check_main_headers,
-    "words": check_words,
     "lengths": check_lengths,
     "loops": check_loops,
-    "sys.path": check_sys_path,
-    "benchmarks apart": check_benchmarks_apart,
-    "examples apart": check_examples_apart,
 }

@@ -11,7 +11,7 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
-from house import circle, imported, parse
+from house import circle
 
 MAY_IMPORT = re.compile(r"^May import ([\w., ]+?)\.$", re.MULTILINE)
 NONE, ALL = "no other room", "every other room"
@@ -22,6 +22,25 @@ SCENARIO = tuple(
 )
 SCENARIO_MAY_IMPORT = "common, fmi"
 OPEN_CIRCLES = "dualcam.study."  # circles inside of it are being opened
+
+
+def imported(tree: ast.Module) -> Iterator[str]:
+    """Full names of the modules that a Python file imports; a leading dot for a relative import.
+
+    `from a import b` gives "a" and "a.b": b may be a module.
+    """
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            start = "." * node.level + (node.module or "")
+            yield start
+            inside = f"{start}." if node.module else start
+            yield from (inside + alias.name for alias in node.names)
+
+
+def parse(path: Path) -> ast.Module:
+    return ast.parse(path.read_text(encoding="utf-8"), str(path))
 
 
 def modules(root: Path) -> dict[str, Path]:

@@ -276,7 +276,7 @@ made.then(({ instance }) => wasi.start(instance));
 def in_node(program: Path, model: Model, tables: Path) -> str:
     node = shutil.which("node")
     if node is None:
-        raise Missing("node is not installed")
+        raise Missing("node is not installed (Debian: nodejs)")
     words = [node, "--no-warnings", "-e", NODE, str(program), str(tables), *words_for(model)]
     done = subprocess.run(words, capture_output=True, text=True, timeout=600)
     if done.returncode != 0:

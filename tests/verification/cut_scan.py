@@ -32,6 +32,7 @@ from rich.progress import Progress
 from benchmarks.harness import core, results
 from benchmarks.harness.circumstances import circumstances
 from benchmarks.harness.oracles import cut_dependence, driver, random_scenes
+from benchmarks.harness.repository import VERIFICATION
 from verification.stress.drive import shipped_library
 
 FINDINGS = core.BUILD / "cuts"
@@ -174,7 +175,7 @@ def replay(folder: Path, binary: Path, console: Console) -> bool:
 
 
 def main() -> int:
-    parser = results.options(__doc__, "cut_scan")
+    parser = results.options(__doc__, "cut_scan", folder=VERIFICATION / "results")
     parser.add_argument("--minutes", type=float, default=10.0)
     parser.add_argument("--seed", type=int, default=0, help="of the first batch (0)")
     parser.add_argument("--replay", type=Path, help="the folder of a finding, which is played again")

@@ -18,7 +18,7 @@ from pathlib import Path
 
 from benchmarks.harness import results
 from benchmarks.harness.circumstances import circumstances
-from benchmarks.harness.repository import ROOT
+from benchmarks.harness.repository import ROOT, VERIFICATION
 
 EXAMPLES = re.compile(r"(\d+) passing, (\d+) failing, and \d+ invalid")
 FAILED = re.compile(r"^(?:FAILED|ERROR) (\S+)", re.MULTILINE)
@@ -63,7 +63,7 @@ def earlier(path: Path) -> list[dict[str, str]]:
 
 
 def main() -> int:
-    parser = results.options(__doc__, "fuzz_runs")
+    parser = results.options(__doc__, "fuzz_runs", folder=VERIFICATION / "results")
     parser.add_argument("--seed", type=int, required=True, help="of hypothesis")
     arguments, pytest = parser.parse_known_args()
     console, facts, begin, text = results.new_console(), circumstances("fuzz record"), time.monotonic(), ""

@@ -3,14 +3,10 @@ see what they look for."""
 
 import random
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
-from cut_dependence import NUDGE, Outcome, Scene, Verdict, judge, nudged
+from cut_dependence import NUDGE, Outcome, Scene, judge, nudged
 from driver import Driver
-from reference import write_table
-
-from verification.cut_scan import keep, kept, row_of
 
 PARAMETERS = {"cam1.friction": 0.1, "cam2.friction": 0.2, "spring.preload": 100.0, "spring.stiffness": 1e4}
 PARAMETERS |= {"spring.stiffness2": 0.0, "spring.stiffness3": 0.0, "stop.lower": 0.0, "stop.upper": 1.2}
@@ -70,34 +66,3 @@ def test_the_start_stays_between_nudged_stops():
         values = nudged(at_stop, random.Random(number)).parameters
         assert values["stop.lower"] != 0.0
         assert values["initial.theta"] == max(0.0, values["stop.lower"])
-
-
-def test_a_finding_is_kept_with_its_tables(tmp_path, monkeypatch):
-    monkeypatch.setattr("verification.cut_scan.FINDINGS", tmp_path / "cuts")
-    write_table(tmp_path / "groove1.csv", [0.0, 1.0, 2.0, 3.0], [0.0, 0.01, 0.02, 0.03])
-    table = {"cam1.profile": 3, "cam1.table": str(tmp_path / "groove1.csv")}
-    scene = Scene(PARAMETERS | table, SCENE.curves, SCENE.cuts)
-    keep(scene, Verdict(Outcome.DEPENDS, 0, "theta differs"), "1-0")
-    assert "theta differs" in (tmp_path / "cuts/1-0/scene.json").read_text()
-    again = kept(tmp_path / "cuts/1-0")
-    assert again.cuts == SCENE.cuts
-    assert [tuple(one) for one in again.curves] == SCENE.curves
-    path = again.parameters.pop("cam1.table")
-    assert Path(path).read_text() == (tmp_path / "groove1.csv").read_text()
-    assert again.parameters == PARAMETERS | {"cam1.profile": 3}
-
-
-@pytest.mark.parametrize(
-    ("laws", "row"),
-    [
-        ({}, "Coulomb"),
-        ({"cam2.friction_viscous": 0.1}, "over the speed"),
-        ({"cam1.friction_load_exponent": 0.2, "cam2.friction_viscous": 0.1}, "over the load"),
-        (
-            {"cam1.friction_peak": 1.0, "cam1.friction_load": 10.0, "cam1.friction_load_exponent": 0.0},
-            "Coulomb",
-        ),
-    ],
-)
-def test_rows_of_the_table(laws, row):
-    assert row_of(Scene(PARAMETERS | laws, [], [])) == row

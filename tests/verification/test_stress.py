@@ -11,6 +11,8 @@ from verification.stress.drive import prepare
 from verification.stress.families import FAMILIES, RANDOM
 from verification.stress.judges import judge
 from verification.stress.mechanisms import Tables
+from verification.stress.scene import Verdict
+from verification.stress.table import Row, published
 
 SHARE = {"tolerances": 60, "lead": 40, "friction": 40, "dwell": 60}
 PATIENCE = 2  # seconds for one reference
@@ -46,6 +48,17 @@ def test_changed_data_stay_within_their_limits():
     changed = [general_scenes.nudged(scene, [], rng, 1e-9)[0] for _ in range(20)]
     assert {c["stop.restitution"] for c in changed} == {1.0 - 1e-9, 1.0}
     assert {c["cam1.radius"] for c in changed} == {0.02 * (1.0 - 1e-9), 0.02 * (1.0 + 1e-9)}
+
+
+def test_a_row_of_results_lists_messages_and_wrong_runs(tmp_path):
+    scene = next(forces.stiffness(Tables(tmp_path)))
+    row = Row("stiffness")
+    for verdict in (Verdict(refusal="the contacts jam when loading"), Verdict(problems=["lost 1 J"])):
+        row.add(scene, verdict)
+    found = published(row)
+    assert (found["runs"], found["right"], found["wrong"], found["refused"]) == ("2", "0", "1", "1")
+    assert found["messages"] == '1 "the contacts jam when loading at theta = ..."'
+    assert found["wrong runs"] == f"{scene.label}: lost 1 J"
 
 
 def test_a_wrong_reference_is_noticed(libraries, tmp_path):

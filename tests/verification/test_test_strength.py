@@ -1,6 +1,5 @@
 """The tools that make mutants and mark branches, on small texts in C."""
 
-import json
 import subprocess
 import sys
 
@@ -10,16 +9,10 @@ from driver import ROOT
 pytest.importorskip("tree_sitter_c", reason="needs the extra `strength`")
 
 from verification.strength import (
-    children,
-    choice,
-    coverage,
     decisions,
     judgements,
-    mutants,
-    schedule,
     sites,
     switch,
-    tree,
 )
 
 CORE = ROOT / "fmu_src"
@@ -138,79 +131,6 @@ def test_marks_tell_whether_a_mistake_ever_makes_a_difference(tmp_path):
     assert list(marks.read_bytes()) == [0, both, switch.REACHED_BIT, both]
 
 
-@pytest.mark.parametrize(
-    "kind, original, compared",
-    [
-        ("comparison", "a[i] < s->b", True),
-        ("comparison", "fabs(x) <= max_of(a, b)", True),
-        ("comparison", "next(&list) < n", False),
-        ("comparison", "n++ < 3", False),
-        ("logic", "a < b && !c", True),
-        ("logic", "p != NULL && p->n > 0", False),  # computing p->n would crash
-        ("arithmetic", "a + b", False),
-    ],
-)
-def test_only_what_has_no_effect_is_computed_twice(kind, original, compared):
-    site = sites.Site("model/x.c", "f", kind, 0, 1, 1, original, "0", 1, False)
-    assert switch.can_be_compared(site) is compared
-
-
-def test_tests_that_killed_neighbours_come_first(tmp_path):
-    class Item:
-        def __init__(self, name):
-            self.nodeid, self.location = name, (name.partition("::")[0],)
-
-    names = {1: ("model/a.c", "f"), 2: ("model/a.c", "f"), 3: ("fmi/b.c", "g")}
-    known = schedule.Schedule([], names, {3: "slow.py::test"}, tmp_path / "reach", tmp_path, 10.0, 1, "core")
-    items = [
-        Item(name) for name in ("quick.py::test", "good.py::test", "slow.py::test", "elsewhere.py::test")
-    ]
-    known.seconds = {item.nodeid: 0.001 for item in items} | {"slow.py::test": 9.0}
-    known.reached = {item.nodeid: [1, 2, 3] for item in items[:3]} | {"elsewhere.py::test": []}
-    known.note_kill(2, "good.py::test", 0.01)
-    assert [item.location[0] for item in known.tests_of(1, items, [])] == ["good.py", "quick.py", "slow.py"]
-    assert [item.location[0] for item in known.tests_of(3, items, [])] == ["slow.py", "quick.py", "good.py"]
-    assert [item.location[0] for item in known.tests_of(1, items, ["good.py::test"])] == [
-        "quick.py",
-        "slow.py",
-    ]
-    known.limit = 1.0
-    assert [item.location[0] for item in known.tests_of(1, items, [])] == ["good.py", "quick.py"]
-    known.limit, known.judged, known.judged_limit = 10.0, [1], 1.0
-    assert [item.location[0] for item in known.tests_of(1, items, [])] == ["good.py", "quick.py"]
-    assert len(known.tests_of(3, items, [])) == 3
-    known.seconds["quick.py::longest"] = 3.0
-    assert known.usual_seconds(items[0], False) == 0.001
-    assert known.usual_seconds(items[0], True) == 3.0
-    assert known.by_length() == []
-    known.numbers = [1, 2, 3]
-    known.hints = {1: "good.py::test"}
-    assert known.by_length() == [2, 3, 1]
-
-
-def test_results_of_other_sources_do_not_count(tmp_path, monkeypatch):
-    """Of the sources before an edit."""
-    source = tmp_path / "fmu_src" / "model" / "small.c"
-    source.parent.mkdir(parents=True)
-    source.write_text(CODE)
-    before = tree.core_of(tmp_path)
-    (source.parent / "notes.txt").write_text("not compiled")
-    assert tree.core_of(tmp_path) == before
-    source.write_text(CODE + "\n")
-    after = tree.core_of(tmp_path)
-    assert after != before
-    monkeypatch.setattr(mutants, "RUN", tmp_path)
-    (tmp_path / "status").mkdir()
-    for number, core in {1: before, 2: after}.items():
-        ended = {"end": "fails", "test": "good.py::test", "core": core, "confirmed": True}
-        (tmp_path / "status" / str(number)).write_text(json.dumps(ended))
-    places = dict(enumerate(sites_of_text(tmp_path, CODE)[:3], 1))
-    found = mutants.ends(mutants.Copy(tmp_path, places, after))
-    assert found == {2: ("fails", "good.py::test")}
-    (row,) = mutants.rows_of(mutants.Copy(tmp_path, places, after), found)
-    assert (row["verdict"], row["core"]) == ("killed", after)
-
-
 @pytest.mark.skipif(sys.platform != "linux", reason="the marks stand in a file that Linux maps")
 def test_marks_tell_branches_and_what_decides_alone(tmp_path):
     core = tmp_path / "core"
@@ -238,55 +158,6 @@ def test_marks_tell_branches_and_what_decides_alone(tmp_path):
     assert all(alone for _, alone in decision.independent(seen))
 
 
-def test_a_condition_that_cannot_change_has_no_branches_of_its_own(tmp_path):
-    path = tmp_path / "refusals.c"
-    path.write_text("""\
-bool check(double x) { return x > 0.0 || csv_refuse(x); }
-bool either(double x) { return HAS_SHARES && x > 0.0; }
-""")
-    _, found, _ = decisions.marked(path, "model/refusals.c", 0)
-    branches = [[(text, value) for text, value, _ in d.branches(bytes(99))] for d in found]
-    compared = [("x > 0.0", False), ("x > 0.0", True)]
-    assert branches == [[*compared, ("csv_refuse(x)", False)], compared]
-    assert [[text for text, _ in d.independent(bytes(99))] for d in found] == [["x > 0.0"]] * 2
-
-
-# A file of each room; parsing all of them takes some seconds.
-SOME = ("fmi/simulation.c", "forward/decide.c", "numerics/sum.h")
-
-
-def named(reasons):
-    return sorted({CORE / key[0] for key in reasons})
-
-
-def places_in(paths):
-    return [s for path in paths for s in sites.sites_of(path, path.relative_to(CORE).as_posix(), {})]
-
-
-def test_the_choice_is_the_same_each_time_and_takes_kinds_in_turn():
-    places = places_in(CORE / name for name in SOME)
-    kinds = {site.kind for site in places}
-    drawn = choice.ordered(places, 1)[: 2 * len(kinds)]
-    assert drawn == choice.ordered(reversed(places), 1)[: len(drawn)]
-    assert {sum(site.kind == kind for site in drawn) for kind in kinds} == {2}
-    assert drawn != choice.ordered(places, 2)[: len(drawn)]
-
-
-def test_each_judged_mutant_is_a_place_of_the_code():
-    judged, signatures = judgements.listed(), {}
-    for path in sorted(CORE.rglob("*.h")) if any(key[2] == "arguments" for key in judged) else ():
-        signatures |= sites.signatures_of(sites.parse(path.read_bytes()))
-    paths = named(judged)
-    for path in paths:
-        signatures |= sites.signatures_of(sites.parse(path.read_bytes()))
-    known = [s for path in paths for s in sites.sites_of(path, path.relative_to(CORE).as_posix(), signatures)]
-    assert judgements.without_place(judged, known) == [], (
-        "places that are gone: remove them from equivalent.toml"
-    )
-    assert all(len(judgement.reason) > 20 for judgement in judged.values())
-    assert {judgement.verdict for judgement in judged.values()} <= set(mutants.VERDICTS)
-
-
 def test_a_verdict_by_hand_holds_only_for_the_code_that_was_judged(tmp_path):
     """`nth` counts equal mistakes: an edit of the function moves the number to another place."""
 
@@ -311,68 +182,3 @@ def test_a_verdict_by_hand_holds_only_for_the_code_that_was_judged(tmp_path):
     row = dict(zip(judgements.IDENTITY, site.identity, strict=True)) | {"mutant": "7", "verdict": "killed"}
     assert judgements.refuted(known, [row]) == ["7: model/small.c work() is judged: cost only"]
     assert judgements.refuted(known, [row | {"verdict": "cost only"}]) == []
-
-
-@pytest.mark.skipif(sys.platform != "linux", reason="children are forked")
-def test_an_end_by_time_counts_once_it_has_happened_again(tmp_path, monkeypatch):
-    """Mutant 1 took long once, by its fixtures. Mutant 2 takes long. Mutant 3 fails. The test that mutant 4
-    fails does so without a mutant, too, if no other test has run before."""
-
-    class Item:
-        def __init__(self, name):
-            self.nodeid, self.location = name, (name.partition("::")[0],)
-
-    names = {number: ("model/a.c", "f") for number in (1, 2, 3, 4)}
-    job = schedule.Schedule([1, 2, 3, 4], names, {}, tmp_path / "reach", tmp_path, 10.0, 1, "core")
-    items = [Item(f"good.py::{name}") for name in ("slow", "sound", "lonely")]
-    job.seconds = {item.nodeid: 0.5 for item in items}
-    killers = {1: ("time", items[0]), 2: ("time", items[0]), 3: ("fails", items[1]), 4: ("fails", items[2])}
-    for number, (end, item) in killers.items():
-        children.note_kill(number, end, item.nodeid, [], 1.0, job)
-    alone, limits = {"good.py::slow": 3.0, "good.py::sound": 0.1, "good.py::lonely": 0.1}, {}
-    monkeypatch.setattr(children, "tell", lambda node, text: None)
-    monkeypatch.setattr(children, "in_child", lambda run, number, items, *rest: items[0].nodeid)
-    monkeypatch.setattr(
-        children,
-        "read_controls",
-        lambda made, job: (
-            {name: alone[name] for name in made.values()},
-            [name for name in made.values() if "lonely" in name],
-        ),
-    )
-
-    def happens_again(number, item, usual, job, session):
-        limits[number] = job.longer_limit(usual)
-        return {1: "survives", 2: "time"}[number]
-
-    monkeypatch.setattr(children, "happens_again", happens_again)
-    assert [children.is_confirmed(number, items, job, None) for number in killers] == [
-        False,
-        True,
-        True,
-        False,
-    ]
-    assert limits == {1: 68.0, 2: 68.0}  # 4 (5 * 3 s + 2 s)
-    assert children.read_status(1, job)["passed"] == ["good.py::slow"]
-    assert job.seconds["good.py::slow"] == 3.0
-    assert job.failed == ["good.py::lonely"]
-    places = dict(enumerate(sites_of_text(tmp_path, CODE)[:4], 1))
-    (tmp_path / "status").mkdir()
-    for number in names:
-        (tmp_path / str(number)).replace(tmp_path / "status" / str(number))
-    monkeypatch.setattr(mutants, "RUN", tmp_path)
-    found = mutants.ends(mutants.Copy(tmp_path, places, "core"))
-    assert found == {2: ("time", "good.py::slow"), 3: ("fails", "good.py::sound")}
-
-
-def test_each_explained_branch_is_a_branch_of_the_code():
-    known, explained = set(), coverage.reasons()
-    for path in named(explained):
-        _, found, _ = decisions.marked(path, path.relative_to(CORE).as_posix(), 0)
-        known |= {
-            (d.file, d.function, text, value)
-            for d in found
-            for text, value, _ in d.branches(bytes(d.place + d.size))
-        }
-    assert not set(explained) - known, "branches that are gone: remove them from unreached.toml"
-    assert all(len(reason) > 20 for reason in explained.values())

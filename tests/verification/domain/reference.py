@@ -177,8 +177,11 @@ class Simulation:
         """Motion along sigma on the first pair in the documented order that carries; none: wedged."""
         e = self._carrying(t, sigma, first, among)
         if e is None:
+            moved = self.omega != 0
             self.slide, self.omega = None, 0.0
             self._set_mode(WEDGED)
+            if moved:  # the rule begins anew, from rest
+                self._rest_or_leave(t)
             return
         self.slide = Slide(self.mechanism, sigma, e, self.tau, self.f_ext)
         self._set_mode(self._moving_mode(sigma))
@@ -261,10 +264,13 @@ class Simulation:
             return (0, UPPER_STOP) if self.theta >= mech.upper else (1, 0)
         if release < -near:
             return (0, LOWER_STOP) if self.theta <= mech.lower else (-1, 0)
-        f0 = mech.spring_force(k.z) + value(self.f_ext, t)
-        towards = value(self.tau, t) - k.dz * f0
-        wedged = (load if towards > 0 else release) == math.inf and abs(towards) > near
-        return 0, WEDGED if wedged else STICK
+        return 0, WEDGED if self._into_lock(k, t) > near else STICK
+
+    def _into_lock(self, k: Place, t: float) -> float:
+        """The torque beyond the frictionless one toward an infinite edge of the band; -inf: no edge is."""
+        load, release = self._gaps(k, t)
+        towards = value(self.tau, t) - k.dz * (self.mechanism.spring_force(k.z) + value(self.f_ext, t))
+        return max(towards if load == math.inf else -math.inf, -towards if release == math.inf else -math.inf)
 
     def _rest_or_leave(self, t: float) -> None:
         sigma, mode = self._side_at_rest(t)
@@ -292,11 +298,12 @@ class Simulation:
         else:
 
             def held(time: float) -> tuple[float, ...]:
-                return self._gaps(k, time)
+                into = self._into_lock(k, time)
+                return *self._gaps(k, time), into if self.mode == WEDGED else -into
 
         row: Sequence[float] = held(t)
         width = (self.duration - t) / SAMPLES
-        if self.mode == WEDGED and min(row) < 0:
+        if self.mode == WEDGED and min(row[:2]) < 0:
             return self.duration
         near = 1e-12 * self._torque_size(k, t)
         row = tuple(0.0 if abs(gap) <= near else gap for gap in row)
@@ -309,6 +316,13 @@ class Simulation:
             if len(row) == 1:
                 self._leave_stop(time, near)
                 return time
+            if index == 2:
+                # where F_0 crosses zero, the edge becomes finite as the torque leaves the band
+                out, _ = first_crossing(lambda s: self._gaps(k, s), time, end, (0.0, 0.0))
+                if out is None or out[0] > time + 1e-9 * self.duration:
+                    self._set_mode(STICK if self.mode == WEDGED else WEDGED)
+                    return time
+                time, index = out
             sigma = 1 if index == 0 else -1
             if self.theta >= mech.upper if sigma > 0 else self.theta <= mech.lower:
                 self._set_mode(UPPER_STOP if sigma > 0 else LOWER_STOP)

@@ -24,6 +24,8 @@ from xml.etree import ElementTree
 
 import numpy as np
 
+from benchmarks.harness.circumstances import core_of
+from benchmarks.harness.old_figures import with_line
 from verification.masters import install, players, scenes
 from verification.masters.install import (
     FMI4J,
@@ -231,7 +233,7 @@ def markdown(outcomes: list[Outcome]) -> str:
         "command": "./build.sh run masters",
         "machine": f"{processor()}, {platform.machine()}, {' '.join(platform.libc_ver())}",
         "versions": f"Python {platform.python_version()}, FMPy {version('fmpy')}, "
-        f"{tool('java', '-version')}, {tool('cargo', '--version')}",
+        f"{tool('java', '-version')}, {tool('cargo', '--version')}, core {core_of()}",
     }
     page = Path(__file__).with_name("page.md").read_text()
     listed = [f"- *{scene.name}*, {scene.model}, {scene.duration} s: {scene.text}." for scene in SCENES]
@@ -252,7 +254,7 @@ def main() -> int:
     outcomes = [outcome(row) for row in rows]
     print(*table(outcomes), sep="\n")
     if chosen is None:
-        (ROOT / "docs/masters.md").write_text(markdown(outcomes))
+        (ROOT / "docs/masters.md").write_text(with_line(markdown(outcomes)))
         say("written to docs/masters.md")
     return int(any(o.wrong for o in outcomes))
 

@@ -12,7 +12,7 @@ from verification.strength.sites import Site, parse, signatures_of, sites_of
 # Physics and the calls of FMI. Left out are `platform` and the rooms outside of the FMUs.
 ROOMS = (
     *("numerics", "model", "geometry", "contact", "closed_form", "collocation", "forward", "inverse"),
-    *("sensitivity", "fmi"),
+    *("outputs", "sensitivity", "fmi"),
 )
 GENERATED = ("radau_table.h", "lobatto_table.h")
 

@@ -22,8 +22,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from benchmarks.harness import results
-from benchmarks.harness.circumstances import circumstances
-from benchmarks.harness.repository import ROOT
+from benchmarks.harness.circumstances import circumstances, core_of
+from benchmarks.harness.repository import ROOT, VERIFICATION
 from verification.strength import decisions, tree
 from verification.strength.choice import GENERATED, ROOMS
 from verification.strength.decisions import Decision
@@ -117,9 +117,9 @@ def run_piece(copy: Copy, piece: str, kept: Path) -> tuple[bytes, int]:
 
 def measure(tests: Sequence[str], again: bool, processes: int) -> tuple[list[Taken], list[str]]:
     """The branches of all decisions, and the test files in which tests fail."""
-    kept = tree.TREES / f"branches-{tree.core_of(ROOT)}"
+    kept = tree.TREES / f"branches-{core_of(ROOT)}"
     if again and not kept.exists():
-        print(f"No marks are known of the C sources, core {tree.core_of(ROOT)}: all tests run.", flush=True)
+        print(f"No marks are known of the C sources, core {core_of(ROOT)}: all tests run.", flush=True)
     again = again and kept.exists()
     copy = prepared() if again else prepare()
     for old in tree.TREES.glob("branches-*") if not again else ():
@@ -190,17 +190,17 @@ def report(rows: Sequence[Row], measured: Sequence[Taken], console: results.Cons
 
 
 def main(words: Sequence[str] | None = None) -> int:
-    parser = results.options(__doc__, "coverage")
+    parser = results.options(__doc__, "coverage", folder=VERIFICATION / "results")
     parser.add_argument("tests", nargs="*", default=TESTS.read_text().split())
     parser.add_argument("--again", action="store_true", help="without a new copy, only what has not run yet")
     parser.add_argument("--processes", type=int, default=2)
     arguments = parser.parse_args(words)
     console = results.new_console()
-    core = tree.core_of(ROOT)
+    facts = circumstances("coverage")
     measured, failed = measure(arguments.tests, arguments.again, arguments.processes)
-    rows = [{**row, "core": core} for row in rows_of(measured)]
+    rows = rows_of(measured)
     report(rows, measured, console)
-    results.publish(rows, circumstances("coverage"), arguments.output, console)
+    results.publish(rows, facts, arguments.output, console)
     for piece in failed:
         results.say(console, f"{piece}: some tests fail in the copy")
     return 0 if float(rows[-1]["branches_percent"]) >= TARGET else 1

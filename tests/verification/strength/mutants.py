@@ -28,8 +28,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from benchmarks.harness import results
-from benchmarks.harness.circumstances import circumstances
-from benchmarks.harness.repository import ROOT
+from benchmarks.harness.circumstances import circumstances, core_of
+from benchmarks.harness.repository import ROOT, VERIFICATION
 from verification.strength import choice, judgements, switch, tree
 from verification.strength.judgements import IDENTITY, VERDICTS
 from verification.strength.sites import Site
@@ -73,7 +73,7 @@ def prepare(count: int, seed: int) -> Copy:
     """The copy of the repository with `count` mutants, built. What is known of an earlier copy goes away."""
     PLACES.unlink(missing_ok=True)
     shutil.rmtree(RUN, ignore_errors=True)
-    core = tree.core_of(ROOT)
+    core = core_of(ROOT)
     order = choice.ordered(choice.all_sites(ROOT / "fmu_src"), seed)
     refused: set[Site] = set()
     for _ in range(ROUNDS):
@@ -257,7 +257,7 @@ def report(rows: Sequence[Row], seconds: float, console: results.Console) -> Non
 
 
 def options_of(words: Sequence[str] | None) -> Options:
-    parser = results.options(__doc__, "mutants")
+    parser = results.options(__doc__, "mutants", folder=VERIFICATION / "results")
     parser.add_argument("--count", type=int, default=COUNT, help=f"number of mutants ({COUNT})")
     parser.add_argument("--seed", type=int, default=SEED)
     parser.add_argument("--limit", type=float, default=LIMIT, help=f"s of tests for one mutant ({LIMIT:g})")
@@ -290,7 +290,7 @@ def begin(options: Options) -> tuple[Copy, list[int]]:
     if not (options.again or options.survivors or options.report):
         copy = prepare(options.count, options.seed)
         return copy, list(options.only or copy.places)
-    copy, core = kept_copy(), tree.core_of(ROOT)
+    copy, core = kept_copy(), core_of(ROOT)
     if copy.core != core:
         print(f"The last run is of core {copy.core}, the C sources are core {core}.", flush=True)
         if options.survivors:
@@ -317,7 +317,7 @@ def main(words: Sequence[str] | None = None) -> int:
     if left:
         results.say(console, f"{left} mutants have not run: nothing is written; --again runs them")
         return 1
-    results.publish(rows, circumstances("mutants"), options.output, console)
+    results.publish(rows, circumstances("mutants") | {"core": copy.core}, options.output, console)
     return 0 if share_killed(rows) >= TARGET else 1
 
 

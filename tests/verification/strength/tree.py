@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import os
 import shutil
 import subprocess
@@ -28,14 +27,6 @@ for version in build_fmu.ALL:
         build_fmu.build(build_fmu.dual_cam(name, False, version))
 build_fmu.build_fleets()
 """
-
-
-def core_of(root: Path) -> str:
-    """The hash of all C sources of a repository: results of another core do not hold for this one."""
-    core, found = root / "fmu_src", hashlib.sha256()
-    for path in sorted(path for path in core.rglob("*") if path.suffix in (".c", ".h", ".def")):
-        found.update(path.relative_to(core).as_posix().encode() + b"\0" + path.read_bytes())
-    return found.hexdigest()[:12]
 
 
 def copy(name: str) -> Path:

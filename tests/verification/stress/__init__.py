@@ -1,8 +1,8 @@
 """The general mechanism at its limits: the varied quantities, their ranges, and the outcome.
 
-    ./build.sh run stress                                 all rows, written to docs/stress.md
+    ./build.sh run stress                                 all rows: tests/verification/results/stress.csv
     python -m verification.stress                       the same, with the FMU as it was built last
-    python -m verification.stress --rows stiffness,dwell --fuzz 100 --output /tmp/stress.md
+    python -m verification.stress --rows stiffness,dwell --fuzz 100 --output /tmp/stress.csv
 
 Every run goes through the FMU's C functions in a process of its own, so that a crash or a step that never
 ends is a result too. The judges share nothing with the C core but the equations:

@@ -1,12 +1,10 @@
-"""The command: judges all scenes in processes of their own and writes the page."""
+"""The command: judges all scenes in processes of their own and writes their outcomes."""
 
 from __future__ import annotations
 
-import argparse
 import os
 import sys
 import tempfile
-import time
 import traceback
 import warnings
 from collections import Counter
@@ -18,7 +16,9 @@ import numpy as np
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
-from benchmarks.harness.repository import DOCS
+from benchmarks.harness import results
+from benchmarks.harness.circumstances import circumstances
+from benchmarks.harness.repository import VERIFICATION
 from benchmarks.harness.results import say
 from verification import stress
 from verification.processes import Lost, in_processes
@@ -27,7 +27,7 @@ from verification.stress.families import ROWS, collect
 from verification.stress.judges import judge
 from verification.stress.mechanisms import Tables
 from verification.stress.scene import Scene, Verdict
-from verification.stress.table import Row, describe, markdown
+from verification.stress.table import HEAD, Row, describe, published
 
 HANG = 300.0  # s, after which a process is ended
 
@@ -75,7 +75,7 @@ def judge_all(
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=(stress.__doc__ or "").split("\n")[0])
+    parser = results.options(stress.__doc__, "stress", folder=VERIFICATION / "results")
     parser.add_argument("--rows", default=",".join(ROWS), help="names, with commas between")
     parser.add_argument(
         "--fuzz",
@@ -85,23 +85,20 @@ def main() -> int:
     )
     parser.add_argument("--seed", type=int, default=0, help="of the scenes at random")
     parser.add_argument("--workers", type=int, default=os.cpu_count() or 1)
-    parser.add_argument("--output", type=Path, default=DOCS / "stress.md")
     parser.add_argument("--details", type=Path, help="write every wrong scene, in full, to this file")
     arguments = parser.parse_args()
     names = arguments.rows.split(",")
     unknown = sorted(set(names) - set(ROWS))
     if unknown:
         parser.error(f"no such rows: {', '.join(unknown)}; there are {', '.join(ROWS)}")
-    console, begun = Console(), time.monotonic()
+    console, facts = Console(), circumstances("stress", "scipy", "numpy")
     with tempfile.TemporaryDirectory() as folder:
         scenes = collect(names, arguments.fuzz, Tables(Path(folder)), arguments.seed)
         rows, details = judge_all(scenes, arguments.workers, bool(arguments.details), console)
-    page = markdown(rows, time.monotonic() - begun)
-    arguments.output.parent.mkdir(parents=True, exist_ok=True)
-    arguments.output.write_text(page)
+    say(console, " | ".join(HEAD), *(" | ".join(row.cells()) for row in rows))
+    results.publish([published(row) for row in rows], facts, arguments.output, console)
     if arguments.details:
         arguments.details.write_text("\n".join(details))
-    say(console, page)
     return 1 if any(row.wrong for row in rows) else 0
 
 

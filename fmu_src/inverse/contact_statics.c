@@ -1,4 +1,4 @@
-#include "contact/contact_statics.h"
+#include "inverse/contact_statics.h"
 
 #include <math.h>
 #include <stddef.h>

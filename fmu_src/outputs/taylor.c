@@ -1,4 +1,4 @@
-#include "contact/taylor.h"
+#include "outputs/taylor.h"
 
 #include "elementary/elementary.h"
 #include "platform/attributes.h"
@@ -77,14 +77,13 @@ static Jet length_along(const SlipMode *slip, const GroovesAlong *g, int i) {
 /* Where friction varies: f_i along the motion, from v_i = sigma omega psi_i' hypot(r_i, a_i) and the nominal load under the
  * force F (model/friction_law.h). */
 static Jet friction_of(const SlipMode *slip, const GroovesAlong *g, const Jet *force, const Taylor *t, int i) {
-    const Params *p = slip->params;
     const Jet length = length_along(slip, g, i), dpsi_dtheta = dpsi_along(g, i);
     const Jet sliding = jet_multiply(&dpsi_dtheta, &length), load = jet_multiply(force, &sliding);
-    const double per_sliding = 1.0 / (p->contacts * p->cam[i].radius);
+    const double per_sliding = slip_load_per_sliding(slip, i);
     Jet v = {.c = {{0.0, 0.0}}}, load2 = {.c = {{0.0, 0.0}}}, f = {.c = {{0.0, 0.0}}};
     if (slip->regime != REGIME_RATE_INDEPENDENT) jet_add_product(&v, slip->direction, &sliding, &t->omega);
     jet_add_product(&load2, per_sliding * per_sliding, &load, &load);
-    const Jet mu = friction_along(&p->cam[i], i, &v, &load2, t->known);
+    const Jet mu = friction_along(&slip->params->cam[i], i, &v, &load2, t->known);
     jet_add_scaled(&f, slip->direction * slip->flank[i], &mu);
     return f;
 }
@@ -93,14 +92,11 @@ static Jet friction_of(const SlipMode *slip, const GroovesAlong *g, const Jet *f
 static void factors_along(const SlipMode *slip, const GroovesAlong *g, const Jet *force, Taylor *t) {
     for (int i = 0; i < 2; i++) {
         const CamParams *cam = &slip->params->cam[i];
-        if (slip->friction_varies || (t->known >= KNOWN_PEAK_1 && t->known <= KNOWN_LOAD_2)) {
-            const Jet f = friction_of(slip, g, force, t, i);
-            jet_contact_factors_set_varying(&t->factors, i, cam->radius, &f, &g->slope[i]);
-            continue;
-        }
         const Dual mu = seeded(t, cam->friction, (Known)(KNOWN_FRICTION_1 + i));
-        jet_contact_factors_set(&t->factors, i, cam->radius, dual_scale(slip->direction * slip->flank[i], mu),
-                                &g->slope[i]);
+        const bool varies = slip->friction_varies || (t->known >= KNOWN_PEAK_1 && t->known <= KNOWN_LOAD_2);
+        const Jet f =
+            varies ? friction_of(slip, g, force, t, i) : (Jet){.c = {dual_scale(slip->direction * slip->flank[i], mu)}};
+        jet_contact_factors_set(&t->factors, i, cam->radius, &f, &g->slope[i]);
     }
     jet_contact_factors_multiply(&t->factors);
 }

@@ -1,4 +1,4 @@
-#include "forward/ode.h"
+#include "outputs/ode.h"
 
 #include <float.h>
 #include <math.h>
@@ -23,7 +23,9 @@ void ode_set_states(Mechanism *m, const double x[ODE_STATES]) {
     const TransmissionPiece *first = &transmission->piece[0], *last = &transmission->piece[transmission->count - 1];
     const double lower = m->params.stop.lower - SOLVER_OVERSHOOT * (first->upper - first->lower);
     const double upper = m->params.stop.upper + SOLVER_OVERSHOOT * (last->upper - last->lower);
-    mechanism_set_motion(m, min_of(max_of(x[0], lower), upper), x[1]);
+    m->state.theta = sum_of(min_of(max_of(x[0], lower), upper));
+    m->state.omega = sum_of(x[1]);
+    update_configuration(m);
 }
 
 void ode_get_states(const Mechanism *m, double x[ODE_STATES]) {

@@ -1,4 +1,4 @@
-#include "forward/outputs.h"
+#include "outputs/outputs.h"
 
 #include <math.h>
 
