@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 
 import pytest
+import python_rooms
 from driver import ROOT, models
 from pages import DOCS, OF_DOCS, PAGES, TEXTS, load
 from svg_files import assert_same_picture
@@ -217,7 +218,27 @@ def test_picture_of_the_rooms_is_fresh(tmp_path):
     subprocess.run(
         [sys.executable, script, "--output", tmp_path], check=True, timeout=120, capture_output=True
     )
-    assert_same_picture(tmp_path / "architecture.svg", DOCS / "architecture.svg")
+    for name in ("architecture.svg", "architecture_python.svg"):
+        assert_same_picture(tmp_path / name, DOCS / name)
+
+
+def test_python_rooms_are_those_of_the_tree_in_order():
+    """In the order of the table each room imports rooms of earlier rows."""
+    allowed = python_rooms.may_import(ROOT)
+    rows = [
+        name.replace("/", ".") for name in re.findall(r"^\| `([\w/]+)` \| ", PYTHON_PACKAGE, re.MULTILINE)
+    ]
+    assert set(rows) == set(allowed) - {"systems"}  # a folder of two rooms
+    for room in rows[:-1]:
+        assert {other for other in allowed[room] if rows.index(other) >= rows.index(room)} == set()
+    assert rows[-1] == "cli"
+    assert set(load(DOCS / "figures" / "architecture.py").PYTHON_ROOMS) == set(rows)
+
+
+def test_python_files_named_exist():
+    named = set(re.findall(r"`((?:dualcam|docs|tests)/[\w/.]+)`", PYTHON_PACKAGE))
+    assert len(named) > 30
+    assert {name for name in named if not (ROOT / name).exists()} == set()
 
 
 # ---- variables.md ----
