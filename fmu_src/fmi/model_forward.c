@@ -5,8 +5,8 @@
 #include "fmi/variables.h"
 #include "forward/configuration.h"
 #include "forward/lifecycle.h"
-#include "outputs/outputs.h"
 #include "forward/step.h"
+#include "outputs/outputs.h"
 #include "sensitivity/sensitivity.h"
 #include "sensitivity/step_sensitivity.h"
 
