@@ -212,6 +212,8 @@ def test_commands_named_exist(page):
 
 # ---- architecture.md ----
 
+PYTHON_PACKAGE = TEXTS["docs/architecture.md"].split("\n## The Python package\n")[1]
+
 
 def test_picture_of_the_rooms_is_fresh(tmp_path):
     script = DOCS / "figures" / "architecture.py"

@@ -6,7 +6,7 @@
  * inverse dynamics.
  *
  * May include: platform, elementary, numerics, model, geometry, contact, closed_form, collocation, forward, inverse,
- * sensitivity. */
+ * outputs, sensitivity. */
 #ifndef DUALCAM_FMI_H
 #define DUALCAM_FMI_H
 
