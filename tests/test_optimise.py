@@ -659,21 +659,19 @@ def test_the_page_names_every_key():
     assert keys | {f"tolerances.NAME.{key}" for key in schema.TOLERANCE.model_fields} <= shown
 
 
-def test_all_mistakes_of_a_file_at_once(tmp_path):
+def test_all_mistakes_of_a_stage_of_a_file_at_once(tmp_path):
     path = tmp_path / "wrong.toml"
-    text = PLAN.replace('"20 deg"', '"80 deg"').replace("from = 0.5", "form = 0.5")
-    path.write_text(
-        text.replace('"slsqp"', '"slspq"\nbudgets = 1').replace("torque_release", "torque_releas")
-    )
-    with refused(
-        "5 mistakes",
-        "plan: cam1.lead_angle: from 1.39626 to 1.22173",
-        "optimise has budgets: did you mean budget",
-        "optimise: constraint efficiency has form: did you mean from",
-        "optimise: method = 'slspq'",
-        "no variable 'torque_releas'",
+    fmu = PLAN.replace("torque_release", "torque_releas").replace("spring.preload", "spring.prelod")
+    values = fmu.replace('"20 deg"', '"80 deg"').replace('"slsqp"', '"slspq"')
+    schema = values.replace("from = 0.5", "form = 0.5").replace('"slspq"', '"slspq"\nbudgets = 1')
+    for text, told in (
+        (fmu, ["no variable 'torque_releas'", "spring.prelod"]),
+        (values, ["plan: cam1.lead_angle: from 1.39626 to 1.22173", "optimise: method = 'slspq'"]),
+        (schema, ["optimise has budgets: did you mean budget", "efficiency has form: did you mean from"]),
     ):
-        read_optimisation(path)
+        path.write_text(text)
+        with refused("2 mistakes", *told):
+            read_optimisation(path)
 
 
 def test_two_workers_find_the_same_by_the_command_line(tmp_path):

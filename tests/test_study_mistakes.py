@@ -11,7 +11,7 @@ from dualcam.__main__ import main
 from dualcam.design_file import DesignFileError
 from dualcam.study import Correlation, History, Plan, Scenario, StudyError, Vary, read_study
 
-TEN = [  # what is replaced, by what, and what is told
+DOZEN = [  # what is replaced, by what, and what is told
     ('results = ["theta@0.2"', 'results = ["thetta@0.2"', ["thetta", "did you mean theta"]),
     ('"cam2.radius"', '"cam2.radios"', ["cam2.radios", "did you mean cam2.radius"]),
     ("runs = 100", "run = 100", ["plan has run: did you mean runs?"]),
@@ -47,25 +47,32 @@ def test_the_sound_plan_is_sound(tmp_path):
     assert read_study(path).plan.count == 100
 
 
-def test_a_plan_with_a_dozen_mistakes_gets_a_dozen_messages(tmp_path, capsys):
+@pytest.mark.parametrize("stage", [
+    ["run: did", "tolerance"],
+    ["'normall'", "first below", "is no formula", "spring.stifness", "rank = 1.8", "no unit of time"],
+    ["thetta", "cam2.radios", "33.3 %", "tua"],
+])  # fmt: skip
+def test_a_plan_with_several_mistakes_of_a_stage_gets_a_message_for_each(tmp_path, capsys, stage):
+    chosen = [each for each in DOZEN if any(word in text for word in stage for text in each[2])]
+    assert len(chosen) == len(stage)
     text = SOUND_PLAN
-    for old, new, _ in TEN:
+    for old, new, _ in chosen:
         assert text.count(old) == 1, old
         text = text.replace(old, new)
     path = tmp_path / "plan.toml"
     path.write_text(text.format(fmu=FORWARD))
     error = told(path)
-    assert len(error.problems) == len(TEN)
-    for _, _, mentions in TEN:
+    assert len(error.problems) == len(stage), error.problems
+    for _, _, mentions in chosen:
         assert any(all(word in problem for word in mentions) for problem in error.problems), mentions
-    assert str(error).startswith(f"{path}: {len(TEN)} mistakes\n")
+    assert str(error).startswith(f"{path}: {len(stage)} mistakes\n")
     assert main(["study", str(path), "--out", str(tmp_path / "out")]) == 1
-    assert capsys.readouterr().err.count("\n") == len(TEN) + 1
+    assert capsys.readouterr().err.count("\n") == len(stage) + 1
     assert not (tmp_path / "out").exists()
 
 
 @pytest.mark.parametrize("old, new, mentions", [
-    *TEN,
+    *DOZEN,
     ('fmu = "{fmu}"', 'fmu = "forwrd"', ["forwrd", "forward"]),
     ('kind = "latin"', 'kind = "lattin"', ["kind = 'lattin'", "did you mean latin"]),
     ('kind = "latin"', "", ["plan lacks kind"]),
@@ -110,19 +117,17 @@ def test_one_mistake_gets_one_message(tmp_path, old, new, mentions):
     assert all(word in str(error) for word in [str(path), *mentions]), str(error)
 
 
-def test_a_design_file_tells_all_mistakes_of_its_study(tmp_path):
+def test_a_design_file_tells_all_mistakes_of_a_stage_of_its_study(tmp_path):
     path = tmp_path / "my.toml"
-    path.write_text("""
-scenario.stop = 0.1
-[study]
-results = ["theta"]
-plan.kind = "lattin"
-plan.run = 3
-plan.vary."cam1.frction" = {from = 0.1, to = 0.2}
-""")
-    with pytest.raises(DesignFileError) as caught:
-        read_study(path)
-    assert all(word in str(caught.value) for word in ("3 mistakes", "latin", "runs", "cam1.friction"))
+    slips = 'plan.kind = "latin"\nplan.run = 3\nplan.vary."cam1.friction" = {form = 0.1, to = 0.2}'
+    values = (
+        'plan.kind = "lattin"\nplan.runs = 3\nplan.seed = -1\nplan.vary."cam1.frction" = {values = [0.1]}'
+    )
+    for plan, words in ((slips, ("runs?", "from?")), (values, ("latin?", "seed = -1"))):
+        path.write_text(f'scenario.stop = 0.1\n[study]\nresults = ["theta"]\n{plan}\n')
+        with pytest.raises(DesignFileError) as caught:
+            read_study(path)
+        assert all(word in str(caught.value) for word in ("2 mistakes", *words)), str(caught.value)
 
 
 def test_a_study_of_a_design_may_have_its_own_scenario(tmp_path):

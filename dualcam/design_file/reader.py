@@ -133,15 +133,15 @@ class _Reading:
             lines=self.lines,
         )
         if design.study is not None:
-            self._check_study(design, scenario_table is not None and scenario is None)
+            self._check_study(design)
         return design
 
-    def _check_study(self, design: DesignFile, is_scenario_refused: bool) -> None:
+    def _check_study(self, design: DesignFile) -> None:
         from dualcam.study.optimisation.reading import check_search_section, is_search
         from dualcam.study.reading.study_file import check_section
 
         check = check_search_section if is_search({"study": design.study}) else check_section
-        self.attempt("study", lambda: check(design, is_scenario_refused))
+        self.attempt("study", lambda: check(design))
 
     def _is_refused(self, prefix: str) -> bool:
         """Whether the schema refuses this key or one in this table."""

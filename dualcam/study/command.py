@@ -130,9 +130,8 @@ def _tell_violations(study: Study, console: Console) -> None:
     """How many runs the constraints concern."""
     if not study.plan.constraints:
         return
-    bad, looked = study.plan.violating()
+    bad, looked, then = study.plan.sampler.violating()
     runs = f"{looked:,}" if looked == study.plan.count else f"the first {looked:,}"
-    then = "drawn again" if study.plan.redraws else "not made"
     if bad:
         say(console, f"{bad:,} of {runs} runs violate a constraint: {then}")
 

@@ -3,28 +3,23 @@
 from __future__ import annotations
 
 import math
-import re
 import time
 import warnings
 from collections.abc import Collection, Mapping
-from contextlib import closing
-from dataclasses import replace
 
 import numpy as np
 
-from dualcam.errors import DualcamError, DualcamWarning
+from dualcam.errors import DualcamWarning
 from dualcam.reals import Array
-from dualcam.study.checking import Parts, Variables, check_parts, is_meant, percent
+from dualcam.study.checking import Variables, percent, problems_with_fmu
 from dualcam.study.history import numbers_in
 from dualcam.study.plan import Plan
-from dualcam.study.problem import Findings, refuse
+from dualcam.study.problem import refuse
 from dualcam.study.runner import Job, Runner
-from dualcam.study.scenario import SAME_TIME, Scenario
-from dualcam.study.sound_plan import is_sound_name, names_known, place_of, sound_plan
+from dualcam.study.scenario import SAME_TIME
 
 SAMPLE = 32  # runs by which the time of a study is estimated
 LOOKED_AT = 1000  # runs, for what cannot be known of all
-REST = Scenario(1e-3, step=1e-3)  # in place of a scenario that is refused
 PROFILES = {"cam1.table": "cam1.profile", "cam2.table": "cam2.profile"}
 TABLE = 3  # profile of a groove table
 
@@ -32,22 +27,12 @@ TABLE = 3  # profile of a groove table
 def check(job: Job, plan: Plan, used: Collection[str] = ()) -> Runner:
     """A runner for the job, made here and now, so that what concerns every run is refused before any.
 
-    `used`: names that formulas of results use. StudyError with all that is wrong at once."""
-    findings = Findings()
+    `used`: names that formulas of results use. StudyError with all that the FMU refuses."""
     variables = Variables.of_fmu(job.path)
-    parts = Parts(plan, job.scenario, job.results, job.parameters, used)
-    check_parts(variables, parts, findings)
-    if findings.problems:
-        check_first_runs(job.path, parts, findings)
-        findings.refuse()
+    refuse(problems_with_fmu(variables, plan, job, used))
     for text in unused_tables(variables, plan, job.parameters):
         warnings.warn(DualcamWarning(text), stacklevel=4)
-    try:
-        runner = Runner(job)
-    except DualcamError:
-        check_first_runs(job.path, parts, findings)
-        findings.refuse()
-        raise
+    runner = Runner(job)
     try:
         rows = plan.rows(0, LOOKED_AT)
         _warn_of_period(job, rows)
@@ -85,58 +70,7 @@ def unused_tables(variables: Variables, plan: Plan, parameters: Mapping[str, obj
     return found
 
 
-def check_first_runs(path: str, parts: Parts, findings: Findings) -> None:
-    """Notes what the FMU refuses of the parts of a study that are sound, beside others that are not."""
-    plan = None if parts.plan is None else sound_plan(parts.plan, findings)
-    if parts.plan is None or plan is None:
-        return
-    names = [
-        name if is_sound_name(parts.plan, name, findings) else f"{name} (refused)" for name in plan.names
-    ]
-    texts = {name: texts for name, texts in plan.texts.items() if name in names}
-    parameters = {
-        name: value for name, value in parts.parameters.items() if findings.is_sound("parameters", name)
-    }
-    job = Job(path, names, parameters, REST, [], texts)
-    rows = plan.rows(0, LOOKED_AT)
-    refused = _refused_names(parts, findings)
-
-    def note(*problems: str) -> None:
-        findings.note(("runs",), *(text for text in problems if not _names_one_of(text, refused)))
-
-    try:
-        with closing(Runner(job)) as runner:
-            note(*_problems_of_texts(runner, job, rows))
-    except DualcamError as error:
-        note(str(error))
-    scenario = parts.scenario
-    if scenario is None or not findings.is_sound("scenario") or not findings.is_sound("results"):
-        return
-    if not names_known(parts.plan, scenario.names, findings):
-        return
-    job = replace(job, names=plan.names, scenario=scenario, results=parts.results or [])
-    try:
-        with closing(Runner(job)) as runner:
-            note(*_problem_of_scenarios(runner, job, rows, warns=False))
-    except DualcamError as error:
-        note(str(error))
-
-
-def _refused_names(parts: Parts, findings: Findings) -> list[str]:
-    """Names whose values are refused: what the FMU says of them follows from a mistake that is told."""
-    plan = parts.plan
-    varied = [name for name in plan.names if not findings.is_sound(*place_of(plan, name))] if plan else []
-    return [
-        *(name for name in varied if not is_meant(name, findings)),
-        *(name for name in parts.parameters if not findings.is_sound("parameters", name)),
-    ]
-
-
-def _names_one_of(text: str, names: Collection[str]) -> bool:
-    return any(re.search(rf"(?<![\w.]){re.escape(name)}(?![\w.])", text) for name in names)
-
-
-def _problem_of_scenarios(runner: Runner, job: Job, rows: Array, warns: bool = True) -> list[str]:
+def _problem_of_scenarios(runner: Runner, job: Job, rows: Array) -> list[str]:
     """What is wrong if the numbers of no run are a scenario; a warning if those of some are none."""
     failed = runner.steps.groups(rows)[1] if job.scenario.names else {}
     if not failed:
@@ -145,8 +79,7 @@ def _problem_of_scenarios(runner: Runner, job: Job, rows: Array, warns: bool = T
     said = f"of the first {len(rows):,} runs are refused, such as run {place}: {text}"
     if len(failed) == len(rows):
         return [f"all {said}"]
-    if warns:
-        warnings.warn(DualcamWarning(f"{percent(len(failed) / len(rows))} {said}"), stacklevel=4)
+    warnings.warn(DualcamWarning(f"{percent(len(failed) / len(rows))} {said}"), stacklevel=4)
     return []
 
 

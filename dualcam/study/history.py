@@ -100,13 +100,7 @@ class History:
         )
 
     def problems(self) -> list[str]:
-        """All that is wrong with the points, as far as it does not depend on the run.
-
-        Returns
-        -------
-        list of str
-            What is given and what is allowed.
-        """
+        """All that is wrong with the points, as far as it does not depend on the run."""
         if self.derivative_of:
             return []
         found = [

@@ -3,29 +3,23 @@
 from __future__ import annotations
 
 import hashlib
-import math
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
 
-from dualcam.arrays import TRUTH, Array, real_array
-from dualcam.study.problem import Findings, StudyError
-from dualcam.study.sampling import designs
-from dualcam.study.sampling.correlation import Correlation
-from dualcam.study.sampling.formula import Formula
-from dualcam.study.sampling.rules import any_of, in_order, violations
+from dualcam.arrays import Array
+from dualcam.study.plan_check import problems_of_plan
+from dualcam.study.plan_fields import PlanFields
+from dualcam.study.problem import refuse
 from dualcam.study.sampling.sampler import Sampler
-from dualcam.study.sampling.texts import Texts
-from dualcam.study.sampling.vary import Vary
 
 
 @dataclass(frozen=True)
-class Plan:
+class Plan(PlanFields):
     """Which values each run has: rows by the number of the run, made when they are asked for.
 
     Parameters
@@ -87,25 +81,8 @@ class Plan:
     [[0.1, 50.0], [0.1, 60.0]]
     """
 
-    kind: str
-    vary: Mapping[str, Vary] = field(default_factory=dict)
-    runs: int = 0
-    seed: int = 0
-    table: ArrayLike | None = None
-    same_as: Mapping[str, str] = field(default_factory=dict)
-    derived: Mapping[str, str] = field(default_factory=dict)
-    constraints: Mapping[str, str] = field(default_factory=dict)
-    on_violation: str = "redraw"
-    correlations: Sequence[Correlation] = ()
-    second_order: bool = True
-    levels: int = 4
-
     def __post_init__(self) -> None:
-        from dualcam.study.plan_check import check_plan
-
-        findings = Findings()
-        check_plan(self, findings)
-        findings.refuse()
+        refuse(problems_of_plan(self))
 
     # ---- tables and other packages ----
 
@@ -236,55 +213,17 @@ class Plan:
         return cls(kind, vary_of(problem), runs, seed, **options)
 
     def salib_problem(self) -> dict[str, Any]:
-        """The problem that SALib's analysers take together with the results of the runs.
-
-        Returns
-        -------
-        dict
-            `num_vars`, `names`, `bounds` and `dists`. A list of values, and a distribution that SALib does
-            not have, is described by its share in [0, 1].
-        """
+        """The problem that SALib's analysers take together with the results of the runs: `num_vars`, `names`,
+        `bounds` and `dists`. A list of values, and a distribution that SALib does not have, is described by
+        its share in [0, 1]."""
         from dualcam.study.sampling.salib import problem_of
 
         return problem_of(self.vary)
 
     # ---- what the runs get ----
 
-    @property
-    def names(self) -> list[str]:
-        """The names of the columns of `rows`: what varies, then `same_as`, then `derived`."""
-        return [*self.vary, *self.same_as, *self.derived]
-
-    @cached_property
-    def texts(self) -> dict[str, Texts]:
-        """The texts of each String, by name: `rows` has their places."""
-        own = {
-            name: vary.texts for name, vary in self.vary.items() if vary.is_list and vary.texts is not None
-        }
-        return own | {name: own[other] for name, other in self.same_as.items() if other in own}
-
-    @cached_property
-    def table_rows(self) -> Array:
-        """The table as an array, shape (runs, variables)."""
-        return real_array(self.table, "plan: table", StudyError, kinds=TRUTH)  # type: ignore[arg-type]
-
-    @cached_property
-    def count(self) -> int:
-        """The number of runs."""
-        if self.kind == "grid":
-            return math.prod(vary.size() for vary in self.vary.values())
-        if self.kind == "table":
-            return len(self.table_rows)
-        return designs.count(self.kind, self.runs, len(self.vary), self.second_order)
-
     def limits(self) -> dict[str, tuple[float, float]]:
-        """Least and greatest value of each variable that is not derived.
-
-        Returns
-        -------
-        dict of str to tuple of float
-            Least and greatest value by the name of the variable, in the FMU's units.
-        """
+        """Least and greatest value of each variable that is not derived, in the FMU's units."""
         if self.kind == "table":
             ends = [(float(column.min()), float(column.max())) for column in self.table_rows.T if len(column)]
             found = dict(zip(self.vary, ends, strict=False))
@@ -313,27 +252,6 @@ class Plan:
         values = self.rows(0, 10_000)[:, self.names.index(name)]
         return float(np.mean(~((values >= least) & (values <= most))))
 
-    def is_whole(self, name: str) -> bool:
-        """Whether a variable gets whole numbers only.
-
-        Parameters
-        ----------
-        name : str
-            One of `names`.
-
-        Returns
-        -------
-        bool
-            True for whole numbers.
-        """
-        source = self.same_as.get(name, name)
-        if source in self.vary and self.kind != "table":
-            return self.vary[source].is_whole
-        values = self.rows(0, 10_000)[:, self.names.index(name)]
-        return bool(np.all(values == np.round(values)))
-
-    # ---- rows ----
-
     def rows(self, start: int, stop: int) -> Array:
         """The values of some runs.
 
@@ -347,97 +265,22 @@ class Plan:
         ndarray, shape (stop - start, names)
             A row for each run, columns in the order of `names`.
         """
-        numbers = np.arange(start, min(stop, self.count))
-        rows = self.completed(self._sampler.drawn(numbers))
-        if self.constraints and self.redraws:
-            self._sampler.redraw(numbers, rows)
-        return rows
-
-    def completed(self, varied: Array) -> Array:
-        """Rows with the columns that follow from those of `vary`.
-
-        Parameters
-        ----------
-        varied : ndarray, shape (n, len(vary))
-            Values, columns in the order of `vary`.
-
-        Returns
-        -------
-        ndarray, shape (n, names)
-            With the columns of `same_as` and `derived`.
-        """
-        if not self.same_as and not self.derived:
-            return varied
-        columns = dict(zip(self.vary, varied.T, strict=True))
-        columns |= {name: columns[other] for name, other in self.same_as.items()}
-        for name, each in self._order:
-            columns[name] = each.numbers(columns, len(varied))
-        return np.column_stack([columns[name] for name in self.names])
-
-    def violations(self, rows: Array) -> dict[str, NDArray[np.bool_]]:
-        """Which rows violate which constraint.
-
-        Parameters
-        ----------
-        rows : ndarray, shape (n, names)
-            As of `rows`.
-
-        Returns
-        -------
-        dict of str to ndarray of bool, shape (n,)
-            By the name of the constraint.
-        """
-        return violations(self.constraints, dict(zip(self.names, rows.T, strict=True)), len(rows))
-
-    @property
-    def redraws(self) -> bool:
-        """Whether runs that violate a constraint are drawn again."""
-        return self.on_violation == "redraw" and self.kind in designs.INDEPENDENT
-
-    def violating(self) -> tuple[int, int]:
-        """How many runs violate a constraint before they are drawn again or marked.
-
-        Returns
-        -------
-        tuple of int
-            Number of violating runs, and of the runs looked at: all, up to 100,000.
-        """
-        looked = min(self.count, 100_000)
-        bad = 0
-        for start in range(0, looked, 10_000):
-            rows = self.completed(self._sampler.drawn(np.arange(start, min(start + 10_000, looked))))
-            bad += int(np.sum(any_of(self.violations(rows), len(rows))))
-        return bad, looked
+        return self.sampler.rows(np.arange(start, min(stop, self.count)))
 
     @cached_property
-    def _order(self) -> list[tuple[str, Formula]]:
-        return in_order(self.derived)
-
-    @cached_property
-    def _sampler(self) -> Sampler:
+    def sampler(self) -> Sampler:
+        """What makes the rows."""
         return Sampler(self)
 
     def for_workers(self) -> Plan:
-        """The plan as another process gets it.
-
-        Returns
-        -------
-        Plan
-            With the random numbers where they are few. A process that makes them by itself imports
-            scipy.stats, which takes 0.7 s.
-        """
+        """The plan as another process gets it: with the random numbers where they are few. A process that
+        makes them by itself imports scipy.stats, which takes 0.7 s."""
         plan = replace(self)
-        plan._sampler.take_few_numbers(self._sampler)
+        plan.sampler.take_few_numbers(self.sampler)
         return plan
 
     def facts(self) -> dict[str, Any]:
-        """What the plan is, to be compared with that of a study begun earlier.
-
-        Returns
-        -------
-        dict
-            Plain data.
-        """
+        """What the plan is, as plain data, to be compared with that of a study begun earlier."""
         is_table = self.kind == "table"
         facts = {
             "kind": self.kind,

@@ -1,14 +1,17 @@
-"""What is wrong with a study as a whole: all mistakes, each with its place."""
+"""What is wrong with a study: all mistakes of a stage at once.
+
+The stages are the schema of a file, the values in it, and what the FMU says. A later one begins where the one
+before finds nothing."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import MISSING, fields
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
 from typing import Any, TypeVar
 
 from dualcam.errors import DualcamError, FmuError
 
-Place = tuple[str | int, ...]  # keys on the way through a file, such as ("plan", "vary", "push")
 Made = TypeVar("Made")
 
 
@@ -30,76 +33,47 @@ class StudyError(FmuError):
 
 
 class Findings:
-    """All that is wrong with a study, by the place in its file.
-
-    A check notes what it finds, and leaves out what depends on a place that is not sound: one mistake gives
-    one message.
-
-    Attributes
-    ----------
-    problems : list of str
-        The messages, in the order of the checks.
+    """All that is wrong in one stage of the checks of a study.
 
     Examples
     --------
     >>> from dualcam.study.problem import Findings
     >>> findings = Findings()
-    >>> findings.note(("plan", "vary", "push", "from"), "plan: push: from = '5 ells': not known")
-    >>> findings.is_sound("plan", "vary", "push"), findings.is_sound("plan", "vary", "peak")
-    (False, True)
+    >>> findings.attempt(float, "0.5"), findings.problems
+    (0.5, [])
     """
 
     def __init__(self) -> None:
         self.problems: list[str] = []
-        self._broken: set[Place] = set()
 
-    def note(self, place: Place, *problems: str) -> None:
-        """Problems at a place, which is then not sound."""
+    def note(self, *problems: str) -> None:
         self.problems += [text for text in problems if text not in self.problems]
-        if problems:
-            self._broken.add(place)
 
-    def spoil(self, *place: str | int) -> None:
-        """The place depends on a mistake at another one: no message of its own."""
-        self._broken.add(place)
-
-    def is_sound(self, *place: str | int) -> bool:
-        """Whether nothing is wrong at a place, within it, and around it."""
-        return not any(
-            broken[: len(place)] == place[: len(broken)] for broken in self._broken if broken or not place
-        )
-
-    def is_told(self, *place: str | int) -> bool:
-        """Whether the file says what is at a place: neither the whole of it is refused, nor the table around
-        it, nor stands another key, with a slip, in place of its key."""
-        return self.is_sound(*place, "given")
-
-    def attempt(self, place: Place, function: Callable[..., Made], *arguments: Any) -> Made | None:  # noqa: ANN401
+    def attempt(self, function: Callable[..., Made], *arguments: Any, **named: Any) -> Made | None:  # noqa: ANN401
         """What the function gives; None, and its problems, if the call is refused."""
         try:
-            return function(*arguments)
+            return function(*arguments, **named)
         except StudyError as error:
-            self.note(place, *error.problems)
+            self.note(*error.problems)
         except DualcamError as error:
-            self.note(place, str(error))
+            self.note(str(error))
         return None
 
-    def refuse(self, where: str = "") -> None:
+    def refuse(self) -> None:
         """StudyError with all problems at once, if there are any."""
-        refuse(self.problems, where)
+        refuse(self.problems)
 
 
-def unchecked(of: type[Made], /, **values: Any) -> Made:  # noqa: ANN401
-    """An object of a dataclass whose values may be wrong: the checks of all parts then look at it at once."""
-    made = object.__new__(of)
-    for each in fields(of):  # type: ignore[arg-type]
-        value = values.get(each.name, each.default)
-        if value is MISSING:
-            make = each.default_factory
-            assert callable(make), each.name
-            value = make()
-        object.__setattr__(made, each.name, value)
-    return made
+@contextmanager
+def told_of(path: Path) -> Iterator[None]:
+    """What is refused within is said of this file."""
+    try:
+        yield
+    except StudyError as error:
+        problems = error.problems
+    else:
+        return
+    refuse(problems, str(path))
 
 
 def refuse(problems: Iterable[str], where: str = "") -> None:

@@ -25,7 +25,7 @@ import numpy as np
 
 from dualcam.reals import Array
 from dualcam.study.encoding import Column
-from dualcam.study.problem import StudyError, refuse
+from dualcam.study.problem import Findings, StudyError
 from dualcam.study.sampling.formula import Formula, formula
 
 SERIES, FORMULA, VALUE = "series", "formula", "value"
@@ -38,7 +38,6 @@ INNER = re.compile(  # one that stands in a formula
     r"\b(max|min|mean|integral)\(\s*([A-Za-z_][\w.]*)\s*,\s*(every|count|at)\s*=\s*(\[[^\]]*\]|[^,()\s]+)\s*\)"
 )
 NAMED = re.compile(r"([^=<>!`@()]+?)\s*=(?!=)\s*(.+)")
-NUMBER = re.compile(r"(?<![\w.])(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
 RESERVED = ("run", "message")
 
 
@@ -65,12 +64,10 @@ class Readings:
     ----------
     results : sequence of str
         As in the examples of this module.
-    stop : float, str or None
-        End of the runs [s]; a formula where it varies; None where it is not known.
+    stop : float or str
+        End of the runs [s]; a formula where it varies.
     varied : sequence of str
         Names of the plan, which formulas may use, too.
-    refused : dict of int to str, optional
-        Gets what is wrong, by the place of the text, instead of an error; the others are read.
 
     Attributes
     ----------
@@ -82,8 +79,6 @@ class Readings:
         The instants [s] of each series.
     used : set of str
         Names of the plan that formulas use.
-    refused_columns : list of str
-        Names of the columns that are refused.
 
     Raises
     ------
@@ -101,31 +96,16 @@ class Readings:
     {'top': [3.0], 'rise': [2.0]}
     """
 
-    def __init__(
-        self,
-        results: Sequence[str],
-        stop: float | str | None,
-        varied: Sequence[str] = (),
-        refused: dict[int, str] | None = None,
-    ) -> None:
+    def __init__(self, results: Sequence[str], stop: float | str, varied: Sequence[str] = ()) -> None:
         self._varied = tuple(varied)
         self._parsed: dict[str, Reading] = {}
         self._inner: dict[str, Reading] = {}  # samples inside formulas, which are no columns
         self.used: set[str] = set()
-        self.refused_columns: list[str] = []
-        problems: dict[int, str] = {} if refused is None else refused
-        for place, text in enumerate(results):
-            try:
-                reading = self._reading(text.strip(), _longest(text) if stop is None else stop)
-                if reading.column in self._parsed:
-                    raise StudyError(f"{reading.column} is named twice: allowed is once")
+        findings = Findings()
+        for text in results:
+            if reading := findings.attempt(self._named_reading, text, stop):
                 self._parsed[reading.column] = reading
-            except StudyError as error:
-                problems[place] = f"result {text!r}: {error}"
-                named = NAMED.fullmatch(text.strip())
-                self.refused_columns.append(named[1].strip() if named else text.strip())
-        if refused is None:
-            refuse(problems.values())
+        findings.refuse()
         self.columns = list(self._parsed)
         self.raw = list(dict.fromkeys(name for each in self._parsed.values() for name in each.raw))
         self.series = {each.column: each.times for each in self._parsed.values() if each.kind == SERIES}
@@ -136,6 +116,16 @@ class Readings:
         return max(len(self.raw), sum(each.width for each in self._parsed.values()))
 
     # ---- texts ----
+
+    def _named_reading(self, text: str, stop: float | str) -> Reading:
+        """StudyError with the text."""
+        try:
+            reading = self._reading(text.strip(), stop)
+            if reading.column in self._parsed:
+                raise StudyError(f"{reading.column} is named twice: allowed is once")
+        except StudyError as error:
+            raise StudyError(f"result {text!r}: {error}") from None
+        return reading
 
     def _reading(self, text: str, stop: float | str) -> Reading:
         name, body = _split(text)
@@ -164,7 +154,7 @@ class Readings:
             if name in self._parsed and self._parsed[name].kind == SERIES:
                 raise StudyError(f"{name} is a series: allowed in formulas are results with one value")
         self._inner |= inner
-        known = (*self._varied, *self._parsed, *self.refused_columns, *inner)
+        known = (*self._varied, *self._parsed, *inner)
         raw = [name for name in found.names if name not in known]
         raw += [name for each in inner.values() for name in each.raw]
         self.used |= {name for name in found.names if name in self._varied}
@@ -257,11 +247,6 @@ def _sampling(text: str) -> re.Match[str] | None:
     if OF_VALUES.fullmatch(text) and not ONE_AND_NUMBER.fullmatch(text):
         return None
     return CALL.fullmatch(text)
-
-
-def _longest(text: str) -> float:
-    """A stop that the times in a text allow, where the stop is not known."""
-    return max((float(number) for number in NUMBER.findall(text)), default=0.0) or 1.0
 
 
 def _sampled(column: str, call: re.Match[str], stop: float | str) -> Reading:

@@ -11,8 +11,17 @@ from typing import Any
 
 import numpy as np
 
-from dualcam.study.history import ORDER, STEPS_MAX, History, Number, names_in, number_at
-from dualcam.study.problem import Findings, StudyError
+from dualcam.study.entries import hint
+from dualcam.study.history import (
+    ORDER,
+    STEPS_MAX,
+    History,
+    Number,
+    names_in,
+    number_at,
+    problem_of_number,
+)
+from dualcam.study.problem import StudyError, refuse
 
 SAME_TIME = 1e-12  # instants closer than this share of the whole are one
 
@@ -55,6 +64,15 @@ class Controller:
     def names(self) -> tuple[str, ...]:
         """The names in formulas, each once."""
         return names_in([self.period, *self.arguments.values()])
+
+    def problems(self) -> list[str]:
+        """All that is wrong, as far as it does not depend on the run."""
+        found = problem_of_number("controller.period", self.period)
+        if not hasattr(self.create_law, "__qualname__"):
+            found.append(f"create_law = {self.create_law!r}: allowed is a function of a module")
+        for name, number in self.arguments.items():
+            found += problem_of_number(f"argument {name}", number, above=-math.inf)
+        return found
 
     def at(self, values: Mapping[str, float | str]) -> Controller:
         """The controller with the numbers of a run.
@@ -132,11 +150,42 @@ class Scenario:
     controller: Controller | None = None
 
     def __post_init__(self) -> None:
-        from dualcam.study.scenario_check import check_scenario
+        refuse(f"scenario: {problem}" for problem in self.problems())
 
-        findings = Findings()
-        check_scenario(self, findings)
-        findings.refuse()
+    def problems(self) -> list[str]:
+        """All that is wrong, as far as it does not depend on the run."""
+        found = [
+            problem
+            for key in ("stop", "step", "tolerance")
+            for problem in problem_of_number(key, getattr(self, key))
+        ]
+        for name, history in self.inputs.items():
+            own = [f"{name}: {problem}" for problem in history.problems()]
+            found += own or self._problems_of_source(name)
+        control = self.controller
+        if control is not None:
+            found += control.problems()
+            found += [
+                f"{name} has a history and a controller: allowed is one of them"
+                for name in control.writes
+                if name in self.inputs
+            ]
+        return found
+
+    def _problems_of_source(self, name: str) -> list[str]:
+        """What is wrong with the history whose derivative an input is."""
+        other = self.inputs[name].derivative_of
+        if other and other not in self.inputs:
+            return [f"{name}: derivative of {other}, which has no history{hint(other, self.inputs)}"]
+        chain = [name]
+        while other in self.inputs:
+            if other in chain:
+                circle = ", ".join(sorted(chain[chain.index(other) :]))
+                allowed = "allowed is one with time and value"
+                return [f"{circle} are derivatives of each other in a circle: {allowed}"]
+            chain.append(other)
+            other = self.inputs[other].derivative_of
+        return []
 
     # ---- numbers of a run ----
 
@@ -206,38 +255,9 @@ class Scenario:
 
     # ---- steps of a run ----
 
-    def source(self, name: str, seen: tuple[str, ...] = ()) -> tuple[History, int]:
-        """The history from which an input follows.
-
-        Parameters
-        ----------
-        name : str
-            Name of the input.
-        seen : tuple of str
-            Inputs that are derivatives of this one.
-
-        Returns
-        -------
-        tuple of History and int
-            A history with points or a sine, and how often it is differentiated.
-
-        Raises
-        ------
-        StudyError
-            An input without a history, or inputs that are derivatives of each other in a circle.
-        """
-        history = self.inputs.get(name)
-        if history is None or name in seen:
-            raise StudyError(
-                f"derivative of {name}, which has no history: allowed are {', '.join(self.inputs)}"
-            )
-        if not history.derivative_of:
-            return history, len(seen)
-        return self.source(history.derivative_of, (*seen, name))
-
     def _laws(self, name: str) -> list[tuple[float, list[float]]]:
         """Taylor pieces of an input, differentiated as often as its history says."""
-        history, times = self.source(name)
+        history, times = source_of(self.inputs, name)
         if history.shape == "sine":
             for _ in range(times):
                 history = history.derivative()
@@ -288,18 +308,7 @@ class Scenario:
         ]
 
     def asks(self) -> list[float]:
-        """Times at which the controller is asked.
-
-        Returns
-        -------
-        list of float
-            Times [s]; none without a controller.
-
-        Raises
-        ------
-        StudyError
-            Too many times.
-        """
+        """Times [s] at which the controller is asked; none without one. StudyError for too many."""
         return self._multiples(self.controller.period) if self.controller else []
 
     def _multiples(self, period: float) -> list[float]:
@@ -356,6 +365,14 @@ class Scenario:
             if interpolates:
                 rates |= {(name, order): moved[order] for order in range(1, ORDER + 1) if moved[order] != 0.0}
         return Step(start, end - start, values, rates, control)
+
+
+def source_of(inputs: Mapping[str, History], name: str) -> tuple[History, int]:
+    """The history with points or a sine from which an input follows, and how often it is differentiated."""
+    times = 0
+    while inputs[name].derivative_of:
+        name, times = inputs[name].derivative_of, times + 1
+    return inputs[name], times
 
 
 def _moved(taylor: Sequence[float], shift: float) -> list[float]:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from dualcam.reals import Array
 from dualcam.study.history import ORDER, History, Number
-from dualcam.study.scenario import SAME_TIME, Scenario, Step, instants
+from dualcam.study.scenario import SAME_TIME, Scenario, Step, instants, source_of
 
 Evaluate = Callable[[Number], Array]  # a number or a formula as an array, shape (runs,)
 AT_ONE_INSTANT = 1e-9  # share of a step by which a reading may miss the end of the step
@@ -130,7 +130,7 @@ def steps_of_rows(
     """The steps of `count` runs, by the calls that they make, and the places of runs that are no scenario."""
     curves = {}
     for name in scenario.inputs:
-        history, order = scenario.source(name)
+        history, order = source_of(scenario.inputs, name)
         curves[name] = _Curve(history, order, evaluate)
     stop = evaluate(scenario.stop)
     wanted = [_time_of(result, stop) for result in results]

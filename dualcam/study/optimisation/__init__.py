@@ -19,6 +19,7 @@ keeps them.
 from dualcam.study.optimisation.optimum import Optimum
 from dualcam.study.optimisation.reading import read_optimisation
 from dualcam.study.optimisation.run import optimise
-from dualcam.study.optimisation.task import Deviation, FmuRuns, Optimisation
+from dualcam.study.optimisation.task import Optimisation
+from dualcam.study.optimisation.task_fields import Deviation, FmuRuns
 
 __all__ = ["Deviation", "FmuRuns", "Optimisation", "Optimum", "optimise", "read_optimisation"]

@@ -14,7 +14,8 @@ from dualcam.study.optimisation.optimum import Optimum
 from dualcam.study.optimisation.page import shown, write_page
 from dualcam.study.optimisation.run import optimise
 from dualcam.study.optimisation.shown import shown as in_words
-from dualcam.study.optimisation.task import FmuRuns, Optimisation
+from dualcam.study.optimisation.task import Optimisation
+from dualcam.study.optimisation.task_fields import FmuRuns
 from dualcam.study.problem import StudyError, refuse
 
 if TYPE_CHECKING:

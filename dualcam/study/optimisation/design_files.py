@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dualcam.model_description import Scalar
-from dualcam.study.optimisation.task import Design, FmuRuns, Optimisation
+from dualcam.study.optimisation.task import Optimisation
+from dualcam.study.optimisation.task_fields import Design, FmuRuns
 from dualcam.study.sampling.formula import formula
 from dualcam.study.scenario import History, Scenario
 

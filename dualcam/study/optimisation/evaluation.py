@@ -11,7 +11,8 @@ import numpy as np
 
 from dualcam.reals import Array
 from dualcam.study.optimisation.models import Model, open_model, own_values, plan_of
-from dualcam.study.optimisation.task import Design, Optimisation, choices, share_of
+from dualcam.study.optimisation.task import Optimisation
+from dualcam.study.optimisation.task_fields import Design, choices, share_of
 from dualcam.study.plan import Plan
 
 if TYPE_CHECKING:
@@ -78,7 +79,7 @@ class Evaluator:
 
     def rows(self, shares: Array) -> Array:
         """Values of the parts exactly as designed, columns in the order of the plan's names."""
-        return self.plan.completed(self._designed(shares))
+        return self.plan.sampler.completed(self._designed(shares))
 
     def design(self, shares: Array) -> Design:
         """Values of one design by name, without those that only happen."""
@@ -107,7 +108,7 @@ class Evaluator:
         if len(self._deviations):
             parts[:, 1:] = np.where(self._chance, 0.0, parts[:, 1:]) + self._deviations
         count, copies, width = parts.shape
-        return self.plan.completed(parts.reshape(count * copies, width)).reshape(count, copies, -1)
+        return self.plan.sampler.completed(parts.reshape(count * copies, width)).reshape(count, copies, -1)
 
     # ---- evaluation ----
 

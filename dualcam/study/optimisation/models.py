@@ -20,7 +20,8 @@ from dualcam.model_description import read_model_description
 from dualcam.reals import Array
 from dualcam.study.entries import hint
 from dualcam.study.evaluator import Evaluator as StudyRuns
-from dualcam.study.optimisation.task import Design, FmuRuns, Function, Optimisation
+from dualcam.study.optimisation.task import Optimisation
+from dualcam.study.optimisation.task_fields import Design, FmuRuns, Function
 from dualcam.study.plan import Plan
 from dualcam.study.problem import StudyError, refuse
 from dualcam.study.runner import Block

@@ -3,36 +3,32 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from dualcam.design_file.toml_text import tables_of
 from dualcam.model_description import Scalar
-from dualcam.study.checking import Parts
+from dualcam.study.checking import problems_with_fmu
 from dualcam.study.entries import hint
 from dualcam.study.optimisation.design_files import sections_of
-from dualcam.study.optimisation.task import Deviation, FmuRuns, Optimisation, Range
-from dualcam.study.optimisation.task_check import check_task
+from dualcam.study.optimisation.task import Optimisation
+from dualcam.study.optimisation.task_fields import Deviation, FmuRuns, Range
 from dualcam.study.plan import Plan
-from dualcam.study.problem import Findings, Place, unchecked
+from dualcam.study.problem import Findings, StudyError, told_of
 from dualcam.study.reading.context import Context
-from dualcam.study.reading.parts import check_together, parameters_of, readings_of
 from dualcam.study.reading.plan_table import plan_of
 from dualcam.study.reading.quantities import number, unit_in
 from dualcam.study.reading.scenario_table import scenario_of
-from dualcam.study.reading.study_file import (
-    content_of,
-    context_of,
-    context_of_design,
-    refuse_section,
-    scenario_of_design,
-)
-from dualcam.study.reading.tables import validated
-from dualcam.study.readings import column_of
-from dualcam.study.sampling.formula import formula, is_formula
+from dualcam.study.reading.schema import search_model, search_section_model
+from dualcam.study.reading.study_file import NO_SCENARIO, content_of, may_lack_scenario, parameters_of
+from dualcam.study.reading.tables import check_schema
+from dualcam.study.reading.values import STAND_IN
 from dualcam.study.scenario import Scenario
+from dualcam.study.study import Study
 
 if TYPE_CHECKING:
     from dualcam.design_file import DesignFile
@@ -98,110 +94,94 @@ def read_optimisation(path: str | Path) -> Optimisation:
 
 
 def _of_plan(path: Path, content: Mapping[str, Any]) -> Optimisation:
-    from dualcam.study.reading.schema import search_model
-
-    findings = Findings()
-    table = validated(search_model(), content, "the file", findings)
-    context = context_of(path.parent, table.get("fmu"), findings)
-    scenario = scenario_of(context, table.get("scenario"))
-    task = _task(context, table, content, scenario, parameters_of(context, table.get("parameters", {})))
-    findings.refuse(str(path))
-    assert task is not None
-    return task
+    with told_of(path):
+        check_schema(search_model(), content, "the file")
+        context = Context.of(path.parent, content["fmu"])
+        return _task(context, content, None, content.get("parameters", {}))
 
 
 def _of_design(path: Path) -> Optimisation:
     from dualcam.design_file import read_design
 
     design = read_design(path)
-    context = context_of(path.parent, design.model, Findings())
-    task = _task_of_design(context, design)
-    context.findings.refuse(str(path))
-    assert task is not None
-    return task
+    with told_of(path):
+        return _task_of_section(design)
 
 
-def check_search_section(design: DesignFile, is_scenario_refused: bool) -> None:
-    """StudyError with all mistakes of the section [study] of a design file that is optimised.
-
-    The rest of the design may have mistakes, too; `is_scenario_refused`: also its scenario."""
-    context = context_of_design(design, is_scenario_refused)
-    _task_of_design(context, design)
-    refuse_section(context.findings)
+def check_search_section(design: DesignFile) -> None:
+    """StudyError with the mistakes of the section [study] of a design file that is optimised."""
+    with may_lack_scenario():
+        _task_of_section(design)
 
 
-def _task_of_design(context: Context, design: DesignFile) -> Optimisation | None:
-    from dualcam.study.reading.schema import search_section_model
-
-    table = validated(search_section_model(), design.study or {}, "study", context.findings)
-    scenario = scenario_of(context, table.get("scenario"))
-    scenario = scenario or scenario_of_design(context, design, "an optimisation")
-    parameters = design.parameters_for()
-    return _task(context, table, design.study or {}, scenario, parameters, sections_of(design))
+def _task_of_section(design: DesignFile) -> Optimisation:
+    table = design.study or {}
+    check_schema(search_section_model(), table, "study")
+    context = Context.of(design.path.parent, design.model)
+    return _task(context, table, design.scenario, design.parameters_for(), sections_of(design))
 
 
 def _task(
     context: Context,
     table: Mapping[str, Any],
-    content: Mapping[str, Any],
     scenario: Scenario | None,
     parameters: Mapping[str, Scalar],
     sections: Mapping[str, Any] = MappingProxyType({}),
-) -> Optimisation | None:
-    """The optimisation of all parts, checked. None without a plan.
-
-    `content` is the table with what the schema refuses; `sections` are those of a design file."""
-    plan = _plan_of(context, table.get("plan"))
-    goals = _Goals(context, table.get("optimise", {}))
-    results = list(table.get("results", ()))
-    others = {name: value for name, value in parameters.items() if plan is None or name not in plan.names}
-    named = _names_in(goals)
-    read = [name for name in named if name not in {*(plan.names if plan else ()), *map(column_of, results)}]
-    readings = readings_of(context, list(dict.fromkeys([*read, *results])), plan, scenario)
-    assert readings is not None
-    parts = Parts(plan, scenario, readings.raw, others, {*readings.used, *named})
-    plan = check_together(context, parts, content, references=goals.start)
-    if plan is None or context.fmu is None:
-        return None
-    if "optimise" not in table:
-        context.findings.spoil("optimise", "objectives")
-    _check_tolerances(context, goals, plan)
-    task = unchecked(
-        Optimisation,
-        model=FmuRuns(context.fmu, scenario or REST, parameters, plan.derived, plan.constraints, sections),
-        vary=plan.vary,
-        same_as=plan.same_as,
-        correlations=plan.correlations,
-        results=results,
-        objectives=goals.objectives,
-        constraints=goals.constraints,
-        start=goals.start,
-        tolerances=goals.tolerances,
-        units=goals.units | _units_of(table["plan"]),
-        **goals.numbers,
-    )
-    check_task(task, context.findings)
+) -> Optimisation:
+    """The optimisation of a table that keeps the schema; `scenario` where the table has none; `sections` are
+    those of a design file. StudyError with all that is wrong with the values, or else with the FMU."""
+    findings = Findings()
+    fixed = findings.attempt(parameters_of, context, parameters)
+    plan = findings.attempt(_plan_of, context, table["plan"])
+    goals = findings.attempt(_Goals, context, table["optimise"])
+    if "scenario" in table:
+        scenario = findings.attempt(scenario_of, context, table["scenario"])
+    elif scenario is None:
+        findings.note(f"an optimisation {NO_SCENARIO}")
+    model = FmuRuns(context.fmu, scenario or REST, fixed or {}, sections=sections)
+    varied: dict[str, Any] = {"vary": dict.fromkeys(table["plan"].get("vary", ()), STAND_IN)}
+    if plan is not None:
+        model = replace(model, derived=plan.derived, conditions=plan.constraints)
+        varied = {"vary": plan.vary, "same_as": plan.same_as, "correlations": plan.correlations}
+    task = None
+    if goals is not None:
+        task = findings.attempt(
+            Optimisation,
+            model,
+            objectives=goals.objectives,
+            constraints=goals.constraints,
+            start=goals.start if plan else {},
+            tolerances=goals.tolerances,
+            results=list(table.get("results", ())),
+            units=goals.units | _units_of(table["plan"]),
+            **varied,
+            **goals.numbers,
+        )
+    findings.refuse()
+    assert task is not None and plan is not None and scenario is not None and fixed is not None
+    others = {name: value for name, value in fixed.items() if name not in plan.names}
+    study = Study(context.fmu, plan, scenario, task.read, others)
+    used = {*study.readings.used, *(name for each in task.formulas.values() for name in each.names)}
+    findings.note(*problems_with_fmu(context.variables, plan, study.job(), used))
+    findings.note(*_problems_of_tolerances(context, task, plan))
+    findings.refuse()
     return task
 
 
-def _plan_of(context: Context, content: Mapping[str, Any] | None) -> Plan | None:
+def _plan_of(context: Context, content: Mapping[str, Any]) -> Plan:
     """What varies. A plan of any kind will do: how its runs are arranged does not matter here."""
-    if content is not None and "table" in content:
-        text = "a plan of a table has no bounds: an optimisation needs plan.vary"
-        context.findings.note(("plan", "table"), text)
-        return None
-    if content is None:
-        return None
+    if "table" in content:
+        raise StudyError("a plan of a table has no bounds: an optimisation needs plan.vary")
     kept = {name: value for name, value in content.items() if name not in ARRANGEMENT}
     return plan_of(context, kept | {"kind": "latin", "runs": 1})
 
 
 class _Goals:
-    """The section [optimise]."""
+    """The section [optimise]. StudyError with all that is wrong with its numbers."""
 
     def __init__(self, context: Context, content: Mapping[str, Any]) -> None:
-        self._context = context
-        self.objectives = dict(content.get("objectives", {}))
+        self._units, self._findings = context.units, Findings()
+        self.objectives = dict(content["objectives"])
         self.numbers = {name: content[name] for name in NUMBERS if name in content}
         self.units: dict[str, str] = {}  # in which the file gives limits, by their text
         self.constraints = {
@@ -211,52 +191,37 @@ class _Goals:
             name: self._deviation(name, each) for name, each in content.get("tolerances", {}).items()
         }
         self.start = {name: self._start(name, value) for name, value in content.get("start", {}).items()}
+        self._findings.refuse()
 
-    def _number(self, place: Place, where: str, name: str, value: float | str) -> float | None:
-        return self._context.findings.attempt(place, number, where, name, value, self._context.units)
+    def _number(self, where: str, name: str, value: float | str) -> float | None:
+        return self._findings.attempt(number, where, name, value, self._units)
 
     def _range(self, text: str, content: Mapping[str, Any]) -> Range:
         where, name = f"optimise: constraint {text}", text.partition("@")[0]
-        limits = []
-        for key in ("from", "to"):
-            value = content.get(key)
-            if unit := unit_in(value):
-                self.units[text] = unit
-            place = ("optimise", "constraints", text, key)
-            limits.append(None if value is None else self._number(place, f"{where}: {key}", name, value))
-        return limits[0], limits[1]
+        if units := [unit for value in content.values() if (unit := unit_in(value))]:
+            self.units[text] = units[-1]
+        limits = {key: self._number(f"{where}: {key}", name, value) for key, value in content.items()}
+        return limits.get("from"), limits.get("to")
 
     def _deviation(self, name: str, content: Mapping[str, Any]) -> Deviation:
-        place = ("optimise", "tolerances", name)
-        half = None
-        if "plus_minus" in content:
-            where = f"optimise: tolerances: {name}: plus_minus"
-            half = self._number(place, where, name, content["plus_minus"])
-        return Deviation(1.0 if half is None else half, content.get("shape", "normal"))
+        half = self._number(f"optimise: tolerances: {name}: plus_minus", name, content["plus_minus"])
+        return Deviation(math.nan if half is None else half, content.get("shape", "normal"))
 
     def _start(self, name: str, value: float | str) -> float | str:
-        if self._context.units.get(name, "1") is None or not unit_in(value):
+        if self._units.get(name, "1") is None or not unit_in(value):
             return value  # a whole number, or a text to choose from
-        place, where = ("optimise", "start", name), f"optimise: start: {name}"
-        found = self._number(place, where, name, value)
+        found = self._number(f"optimise: start: {name}", name, value)
         return value if found is None else found
 
 
-def _names_in(goals: _Goals) -> list[str]:
-    """Names in the formulas of objectives and constraints; those that are no formulas are told elsewhere."""
-    sound = [formula(text) for text in [*goals.objectives, *goals.constraints] if is_formula(text)]
-    return [name for each in sound for name in each.names]
-
-
-def _check_tolerances(context: Context, goals: _Goals, plan: Plan) -> None:
-    """Notes tolerances of what neither varies nor is a number of the FMU."""
-    if context.variables is None:
-        return
+def _problems_of_tolerances(context: Context, task: Optimisation, plan: Plan) -> list[str]:
+    """Tolerances of what neither varies nor is a number of the FMU."""
     numbers = [name for name, unit in context.units.items() if unit is not None]
-    for name in goals.tolerances:
-        if name not in plan.names and name not in numbers:
-            text = f"optimise: tolerances: {name} is no number of the FMU{hint(name, numbers)}"
-            context.findings.note(("optimise", "tolerances", name), text)
+    return [
+        f"optimise: tolerances: {name} is no number of the FMU{hint(name, numbers)}"
+        for name in task.tolerances
+        if name not in plan.names and name not in numbers
+    ]
 
 
 def _units_of(content: Mapping[str, Any]) -> dict[str, str]:

@@ -24,7 +24,8 @@ from dualcam.study.optimisation.optimum import ACTIVE, Optimum, unbeaten
 from dualcam.study.optimisation.record import Record
 from dualcam.study.optimisation.search import BudgetSpent, Search
 from dualcam.study.optimisation.shown import shown
-from dualcam.study.optimisation.task import FmuRuns, Optimisation
+from dualcam.study.optimisation.task import Optimisation
+from dualcam.study.optimisation.task_fields import FmuRuns
 from dualcam.study.problem import StudyError
 
 if TYPE_CHECKING:

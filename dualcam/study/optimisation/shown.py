@@ -6,12 +6,12 @@ from collections.abc import Mapping
 
 from dualcam.library import source_path
 from dualcam.model_description import read_model_description
-from dualcam.study.optimisation.task import FmuRuns, Optimisation, choices
+from dualcam.study.optimisation.task_fields import FmuRuns, TaskFields, choices
 
 DIGITS = 6
 
 
-def units_of(task: Optimisation) -> dict[str, str]:
+def units_of(task: TaskFields) -> dict[str, str]:
     """Unit by variable of the FMU, without "1"; nothing is known of a function."""
     if not isinstance(task.model, FmuRuns):
         return {}
@@ -24,7 +24,7 @@ def unit_of(name: str, units: Mapping[str, str]) -> str:
     return units.get(name.partition("@")[0], "")
 
 
-def shown(task: Optimisation, name: str, value: float | str, digits: int = DIGITS) -> str:
+def shown(task: TaskFields, name: str, value: float | str, digits: int = DIGITS) -> str:
     """A value of a name or of a formula, with the unit of the file, else with the FMU's unit."""
     if isinstance(value, str):
         return value
@@ -35,7 +35,7 @@ def shown(task: Optimisation, name: str, value: float | str, digits: int = DIGIT
     return f"{value:.{digits}g} {own}".strip()
 
 
-def shown_bounds(task: Optimisation, name: str) -> str:
+def shown_bounds(task: TaskFields, name: str) -> str:
     """What a designed value may be."""
     vary = task.designed[name]
     if vary.is_list:

@@ -3,22 +3,24 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping
-from dataclasses import replace
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dualcam.design_file.toml_text import tables_of
 from dualcam.errors import DualcamWarning
-from dualcam.library import MODELS
 from dualcam.model_description import Scalar
-from dualcam.study.checking import Parts, Variables
-from dualcam.study.problem import Findings, StudyError
+from dualcam.study.checking import problems_with_fmu
+from dualcam.study.plot_keys import problems_of_columns
+from dualcam.study.problem import Findings, StudyError, refuse, told_of
 from dualcam.study.reading.context import Context
-from dualcam.study.reading.parts import check_plots, check_together, parameters_of, readings_of
 from dualcam.study.reading.plan_table import plan_of
+from dualcam.study.reading.quantities import STRING, in_unit
 from dualcam.study.reading.scenario_table import scenario_of
-from dualcam.study.reading.tables import validated
+from dualcam.study.reading.schema import plan_model, section_model
+from dualcam.study.reading.tables import check_schema
+from dualcam.study.readings import Readings
 from dualcam.study.scenario import Scenario
 from dualcam.study.study import Study
 
@@ -32,6 +34,7 @@ results = ["efficiency", "theta"]
 kind = "grid"
 vary."cam1.lead_angle" = {from = "35 deg", to = "50 deg", count = 4}
 docs/use-studies.md explains the keys; `dualcam study --help` has an example"""
+NAMED = ("vary", "derived")  # tables of [plan] by the names of columns
 NO_SCENARIO = "needs a [scenario]: what is done in each run, for example stop = 1.0"
 
 
@@ -83,7 +86,10 @@ def read_study(path: str | Path) -> Study:
         return _study_of_design(path)
     if _is_design(content):
         raise StudyError(f"{path}: {NO_STUDY}")
-    return _study_of_plan(path, content)
+    with told_of(path):
+        check_schema(plan_model(), content, "the file")
+        context = Context.of(path.parent, content["fmu"])
+        return _study(context, content, None, content.get("parameters", {}))
 
 
 def content_of(path: Path) -> dict[str, Any]:
@@ -106,51 +112,39 @@ def _is_design(content: Mapping[str, Any]) -> bool:
     return any(name in known_keys() for name in content if name != "scenario")
 
 
-def context_of(folder: Path, fmu: str | None, findings: Findings) -> Context:
-    """Of a file in this folder that names this FMU."""
-    if fmu is None:
-        return Context(folder, None, None, findings)
-    path = fmu if fmu in MODELS else folder / fmu
-    found = findings.attempt(("fmu",), Variables.of_fmu, path)
-    return Context(folder, path, found, findings)
+def parameters_of(context: Context, content: Mapping[str, Scalar]) -> dict[str, Scalar]:
+    """Start values, with the texts of real variables as numbers in the unit of the variable."""
+    findings, found = Findings(), dict(content)
+    for name, value in content.items():
+        unit = context.units.get(name)
+        if isinstance(value, str) and unit not in (None, STRING):
+            number = findings.attempt(in_unit, f"parameters: {name}", value, str(unit))
+            found[name] = value if number is None else number
+    findings.refuse()
+    return found
 
 
-def _study_of_plan(path: Path, content: Mapping[str, Any]) -> Study:
-    from dualcam.study.reading.schema import plan_model
-
+def _study(
+    context: Context, table: Mapping[str, Any], scenario: Scenario | None, parameters: Mapping[str, Scalar]
+) -> Study:
+    """The study of a table that keeps the schema; `scenario` where the table has none. StudyError with all
+    that is wrong with the values, or else with all that the FMU does not have or allow."""
     findings = Findings()
-    table = validated(plan_model(), content, "the file", findings)
-    context = context_of(path.parent, table.get("fmu"), findings)
-    parts = _parts(context, table, content, None, parameters_of(context, table.get("parameters", {})))
-    findings.refuse(str(path))
-    return _study(context, table, parts)
-
-
-def _study(context: Context, table: Mapping[str, Any], parts: Parts) -> Study:
-    """The study of parts in which nothing is wrong."""
-    assert context.fmu is not None and parts.plan is not None and parts.scenario is not None
-    plots = table.get("plots", ())
-    return Study(context.fmu, parts.plan, parts.scenario, table["results"], parts.parameters, plots)
-
-
-def _parts(
-    context: Context,
-    table: Mapping[str, Any],
-    content: Mapping[str, Any],
-    scenario: Scenario | None,
-    parameters: Mapping[str, Scalar],
-) -> Parts:
-    """Plan, scenario and results of a table, checked; `scenario` where the table has none.
-
-    `content` is the table with what the schema refuses."""
-    plan = plan_of(context, table.get("plan"))
-    scenario = scenario_of(context, table.get("scenario")) or scenario
-    readings = readings_of(context, table.get("results"), plan, scenario)
-    used = readings.used if readings else ()
-    parts = Parts(plan, scenario, readings.raw if readings else None, parameters, used)
-    check_together(context, parts, content)
-    check_plots(context, table.get("plots", ()), plan, readings)
-    return parts
+    fixed = findings.attempt(parameters_of, context, parameters)
+    plan = findings.attempt(plan_of, context, table["plan"])
+    if "scenario" in table:
+        scenario = findings.attempt(scenario_of, context, table["scenario"])
+    elif scenario is None:
+        findings.note(f"the study {NO_SCENARIO}")
+    if scenario is not None:  # results are read at instants of it
+        names = plan.names if plan else [name for key in NAMED for name in table["plan"].get(key, ())]
+        findings.attempt(Readings, table["results"], scenario.stop, names)
+    findings.refuse()
+    assert fixed is not None and plan is not None and scenario is not None
+    study = Study(context.fmu, plan, scenario, table["results"], fixed, table.get("plots", ()))
+    refuse(problems_with_fmu(context.variables, plan, study.job(), study.readings.used))
+    refuse(problems_of_columns(study.plots, plan, study.readings))
+    return study
 
 
 def _study_of_design(path: Path) -> Study:
@@ -160,56 +154,31 @@ def _study_of_design(path: Path) -> Study:
     design = read_design(path)
     for warning in design.warnings:
         warnings.warn(DualcamWarning(f"{path}: {warning}"), stacklevel=3)
-    context = context_of(path.parent, design.model, Findings())
-    parts = _parts_of_section(context, design)
-    context.findings.refuse(str(path))
-    return _study(context, design.study or {}, parts)
+    with told_of(path):
+        return _study_of_section(design)
 
 
-def _parts_of_section(context: Context, design: DesignFile) -> Parts:
-    from dualcam.study.reading.schema import section_model
-
-    section = design.study or {}
-    table = validated(section_model(), section, "study", context.findings)
-    scenario = scenario_of_design(context, design, "the study")
-    return _parts(context, table, section, scenario, _fixed_of(design, table))
-
-
-def scenario_of_design(context: Context, design: DesignFile, whose: str) -> Scenario | None:
-    """The scenario of the design, where the section has none. None, with a note, if there is none at all."""
-    if "scenario" in (design.study or {}):
-        return None
-    if design.scenario is None and context.findings.is_sound("scenario"):
-        context.findings.note(("scenario",), f"{whose} {NO_SCENARIO}")
-    return design.scenario
+def _study_of_section(design: DesignFile) -> Study:
+    table = design.study or {}
+    check_schema(section_model(), table, "study")
+    varied = {*table["plan"].get("vary", {}), *table["plan"].get("derived", {})}
+    fixed = {name: value for name, value in design.parameters_for().items() if name not in varied}
+    return _study(Context.of(design.path.parent, design.model), table, design.scenario, fixed)
 
 
-def _fixed_of(design: DesignFile, table: Mapping[str, Any]) -> dict[str, Scalar]:
-    """The design's values but those that get another value in each run."""
-    plan = table.get("plan", {})
-    varied = {*plan.get("vary", {}), *plan.get("derived", {})}
-    return {name: value for name, value in design.parameters_for().items() if name not in varied}
+def check_section(design: DesignFile) -> None:
+    """StudyError with the mistakes of the section [study] of a design file, which may lack a scenario."""
+    with may_lack_scenario():
+        _study_of_section(design)
 
 
-def context_of_design(design: DesignFile, is_scenario_refused: bool) -> Context:
-    """For the check of a section: what the FMU refuses may follow from another mistake of the design."""
-    findings = Findings()
-    if is_scenario_refused:
-        findings.spoil("scenario")
-    context = context_of(design.path.parent, design.model, findings)
-    return replace(context, tries_runs=False)
-
-
-def check_section(design: DesignFile, is_scenario_refused: bool) -> None:
-    """StudyError with all mistakes of the section [study] of a design file.
-
-    The rest of the design may have mistakes, too; `is_scenario_refused`: also its scenario."""
-    context = context_of_design(design, is_scenario_refused)
-    _parts_of_section(context, design)
-    refuse_section(context.findings)
-
-
-def refuse_section(findings: Findings) -> None:
-    """StudyError with all problems. A design may lack a scenario and nothing else."""
-    if not all(problem.endswith(NO_SCENARIO) for problem in findings.problems):
-        findings.refuse()
+@contextmanager
+def may_lack_scenario() -> Iterator[None]:
+    """Within, the lack of a scenario is no mistake."""
+    try:
+        yield
+    except StudyError as error:
+        problems = error.problems
+    else:
+        return
+    refuse(text for text in problems if not text.endswith(NO_SCENARIO))

@@ -6,6 +6,7 @@ Morris, the search curves of FAST, the samples of Saltelli."""
 from __future__ import annotations
 
 import importlib
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -22,24 +23,7 @@ LARGEST = 100_000_000  # numbers of a table of points: 0.8 GB, of which SciPy an
 
 
 def count(kind: str, runs: int, variables: int, second_order: bool) -> int:
-    """How many runs an arrangement of points has.
-
-    Parameters
-    ----------
-    kind : str
-        One of KINDS, but for "grid" and "table".
-    runs : int
-        The number that the user gives.
-    variables : int
-        How many variables vary.
-    second_order : bool
-        Of "saltelli": whether second-order indices are wanted.
-
-    Returns
-    -------
-    int
-        Number of runs.
-    """
+    """How many runs an arrangement has, by the number that the user gives; not of "grid" and "table"."""
     blocks = {
         "indices": variables + 2,
         "saltelli": 2 * variables + 2 if second_order else variables + 2,
@@ -49,48 +33,27 @@ def count(kind: str, runs: int, variables: int, second_order: bool) -> int:
     return runs * blocks.get(kind, 1)
 
 
-def problem_of_size(kind: str, runs: int, variables: int, second_order: bool) -> str | None:
-    """Whether the table of points of an arrangement is too large to be drawn, arguments as in `count`."""
-    if kind in ("grid", "table"):
-        return None
-    points = 2 * runs if kind == "indices" else count(kind, runs, variables, second_order)
-    numbers = points * variables
-    if numbers <= LARGEST:
-        return None
-    return (
-        f"runs = {runs}: the points of the runs are a table of {numbers:,} numbers; allowed are"
-        f" {LARGEST:,}, here up to runs = {LARGEST * runs // numbers}; a grid needs no table"
-    )
-
-
-def problem(kind: str, runs: int, levels: int) -> str | None:
-    """What is wrong with the numbers of an arrangement, if anything is."""
+def problems(kind: str, runs: int, variables: int, second_order: bool, levels: int) -> Iterator[str]:
+    """What is wrong with the numbers of an arrangement."""
     if kind in ("indices", "saltelli") and (runs < 2 or runs & (runs - 1)):
-        return f"runs = {runs}: Sobol's indices need a power of 2, at least 2"
+        yield f"runs = {runs}: Sobol's indices need a power of 2, at least 2"
     if kind == "fast" and runs < FAST_LEAST:
-        return f"runs = {runs}: FAST needs at least {FAST_LEAST} for each variable"
+        yield f"runs = {runs}: FAST needs at least {FAST_LEAST} for each variable"
     if kind == "morris" and (levels < 2 or levels % 2):
-        return f"levels = {levels}: Morris needs an even number, at least 2"
-    return None
+        yield f"levels = {levels}: Morris needs an even number, at least 2"
+    if kind in ("grid", "table"):
+        return
+    points = 2 * runs if kind == "indices" else count(kind, runs, variables, second_order)
+    if (numbers := points * variables) > LARGEST:
+        yield (
+            f"runs = {runs}: the points of the runs are a table of {numbers:,} numbers; allowed are"
+            f" {LARGEST:,}, here up to runs = {LARGEST * runs // numbers}; a grid needs no table"
+        )
 
 
 def shares(kind: str, runs: int, variables: int, seed: int, second_order: bool, levels: int) -> Array:
-    """The points of an arrangement.
-
-    Parameters
-    ----------
-    kind, runs, variables, second_order
-        As in `count`.
-    seed : int
-        Start of the random numbers.
-    levels : int
-        Of "morris": levels of each variable.
-
-    Returns
-    -------
-    ndarray
-        Shares in [0, 1], shape (count, variables); of "indices" (runs, 2 variables): both matrices.
-    """
+    """The points of an arrangement, shape (count, variables), in [0, 1]; of "indices" those of both matrices,
+    shape (runs, 2 variables)."""
     from scipy.stats import qmc
 
     if kind in SALIB:

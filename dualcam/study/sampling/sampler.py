@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dualcam.reals import Array
+from dualcam.study.plan_fields import PlanFields
 from dualcam.study.problem import StudyError
 from dualcam.study.sampling import designs
 from dualcam.study.sampling.correlation import OPEN, Copula
-from dualcam.study.sampling.rules import any_of
-
-if TYPE_CHECKING:
-    from dualcam.study.plan import Plan
+from dualcam.study.sampling.rules import any_of, in_order, violations
 
 TRIES = 1000  # draws of a run that violates a constraint
 AT_ONCE = 20  # of them
@@ -23,12 +20,46 @@ SENT = 1_000_000  # bytes of random numbers that travel with a study to each wor
 
 
 class Sampler:
-    """Makes the columns of `vary` of a plan, for any of its runs."""
+    """Makes the rows of a plan, for any of its runs."""
 
-    def __init__(self, plan: Plan) -> None:
+    def __init__(self, plan: PlanFields) -> None:
         self._plan = plan
+        self._redraws = plan.on_violation == "redraw" and plan.kind in designs.INDEPENDENT
+        self._order = in_order(plan.derived)
 
-    def drawn(self, numbers: NDArray[np.int_]) -> Array:
+    def rows(self, numbers: NDArray[np.int_]) -> Array:
+        """The values of the runs of these numbers, columns in the order of the plan's names."""
+        rows = self.completed(self._drawn(numbers))
+        if self._plan.constraints and self._redraws:
+            self._redraw(numbers, rows)
+        return rows
+
+    def completed(self, varied: Array) -> Array:
+        """Rows of `vary`, shape (n, len(vary)), with the columns of `same_as` and `derived`."""
+        plan = self._plan
+        if not plan.same_as and not plan.derived:
+            return varied
+        columns = dict(zip(plan.vary, varied.T, strict=True))
+        columns |= {name: columns[other] for name, other in plan.same_as.items()}
+        for name, each in self._order:
+            columns[name] = each.numbers(columns, len(varied))
+        return np.column_stack([columns[name] for name in plan.names])
+
+    def violating(self) -> tuple[int, int, str]:
+        """How many runs violate a constraint, of how many looked at, up to 100,000; what becomes of them."""
+        looked = min(self._plan.count, 100_000)
+        bad = 0
+        for start in range(0, looked, 10_000):
+            numbers = np.arange(start, min(start + 10_000, looked))
+            bad += int(np.sum(self._violated(self.completed(self._drawn(numbers)))))
+        return bad, looked, "drawn again" if self._redraws else "not made"
+
+    def _violated(self, rows: Array) -> NDArray[np.bool_]:
+        """Which rows violate a constraint."""
+        columns = dict(zip(self._plan.names, rows.T, strict=True))
+        return any_of(violations(self._plan.constraints, columns, len(rows)), len(rows))
+
+    def _drawn(self, numbers: NDArray[np.int_]) -> Array:
         """The columns of `vary`, before constraints, of the runs of these numbers."""
         plan = self._plan
         if plan.kind == "grid":
@@ -45,17 +76,17 @@ class Sampler:
         if shares is not None and shares.nbytes <= SENT:
             self._shares = shares
 
-    def redraw(self, numbers: NDArray[np.int_], rows: Array) -> None:
+    def _redraw(self, numbers: NDArray[np.int_], rows: Array) -> None:
         """Puts values that keep the constraints in place of others; random numbers by the run's number."""
         plan = self._plan
-        left = np.flatnonzero(any_of(plan.violations(rows), len(rows)))
+        left = np.flatnonzero(self._violated(rows))
         random = {place: np.random.default_rng([plan.seed, int(numbers[place])]) for place in left.tolist()}
         for _ in range(0, TRIES, AT_ONCE):
             if len(left) == 0:
                 return
             shares = [random[place].random((AT_ONCE, len(plan.vary))) for place in left.tolist()]
-            again = plan.completed(self._at(np.concatenate(shares)))
-            good = ~any_of(plan.violations(again), len(again)).reshape(len(left), AT_ONCE)
+            again = self.completed(self._at(np.concatenate(shares)))
+            good = ~self._violated(again).reshape(len(left), AT_ONCE)
             found = np.flatnonzero(good.any(axis=1))
             rows[left[found]] = again[found * AT_ONCE + good[found].argmax(axis=1)]
             left = np.delete(left, found)
