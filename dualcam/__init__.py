@@ -84,7 +84,7 @@ if TYPE_CHECKING:
     from dualcam.sampled_loop import LoopMotion
     from dualcam.simulation import Trajectory, simulate
     from dualcam.ssp import export_ssp
-    from dualcam.study.problem import StudyError
+    from dualcam.study.mistakes import StudyError
     from dualcam.view import write_view
 
     __version__: str

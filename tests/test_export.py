@@ -28,7 +28,7 @@ from dualcam.export import ExportError, export_fmu, model_identifier
 from dualcam.export.scenario import python_lines
 from dualcam.library import fmu_path
 from dualcam.simulation import simulate
-from dualcam.study.scenario import History, Scenario
+from dualcam.study.scenario.scenario import History, Scenario
 from dualcam.variables import inputs_of
 
 DESIGNS = ("helix", "ellipse", "table")

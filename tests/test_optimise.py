@@ -30,13 +30,13 @@ from dualcam.study import (
     optimise,
     read_optimisation,
 )
+from dualcam.study.file import schema
 from dualcam.study.optimisation.evaluation import Evaluator, percentile
 from dualcam.study.optimisation.genetic import hypervolume
 from dualcam.study.optimisation.optimum import unbeaten
 from dualcam.study.optimisation.record import BATCHES, Record
 from dualcam.study.optimisation.run import facts
-from dualcam.study.reading import schema
-from dualcam.study.sampling.formula import formula
+from dualcam.study.scenario.formula import formula
 from dualcam.systems import elbow, knee
 
 REST = Scenario(1e-3)

@@ -175,7 +175,7 @@ def test_a_tail_that_no_run_reaches_is_allowed():
     usual = Vary(distribution="normal", arguments={"mean": 0.14, "std": 0.02})
     one = study(Plan("latin", {"cam1.friction": usual}, runs=100))
     assert one.plan.share_outside("cam1.friction", 0.0, 10.0) == pytest.approx(norm.cdf(-7.0), rel=1e-9)
-    from dualcam.study.first_runs import check
+    from dualcam.study.run.first_runs import check
 
     check(one.job(), one.plan).close()
 

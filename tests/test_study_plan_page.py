@@ -12,7 +12,7 @@ from pages import TEXTS, load
 
 from dualcam.cli.study import PLAN
 from dualcam.study import plot_keys
-from dualcam.study.reading.schema import json_schema
+from dualcam.study.file.schema import json_schema
 
 SCRIPT = runpy.run_path(str(ROOT / "docs" / "tools" / "study_plan_page.py"))
 SCHEMA = ROOT / "dualcam" / "study" / "plan.schema.json"
@@ -86,8 +86,8 @@ def test_an_editor_shows_a_mistake(change, path):
 
 
 def test_kinds_and_shapes_are_all_on_the_page():
-    from dualcam.study.history import SHAPES
-    from dualcam.study.sampling.designs import KINDS
+    from dualcam.study.plan.arrangements import KINDS
+    from dualcam.study.scenario.history import SHAPES
 
     text = TEXTS["docs/study-plan.md"]
     assert all(f"| `{kind}` |" in text for kind in KINDS)

@@ -34,10 +34,11 @@ from study_laws import murderous, slow
 
 from dualcam.__main__ import main
 from dualcam.fmu import FmuError
-from dualcam.study import Controller, Plan, Scenario, Study, Vary, processes, read_results, read_study
-from dualcam.study.execution import DIED
-from dualcam.study.storage import Folder
-from dualcam.study.store import FINISHED, RECORD
+from dualcam.study import Controller, Plan, Scenario, Study, Vary, read_results, read_study
+from dualcam.study.run import processes
+from dualcam.study.run.workers import DIED
+from dualcam.study.store.storage import Folder
+from dualcam.study.store.store import FINISHED, RECORD
 
 # ---- another FMU ----
 
@@ -499,14 +500,14 @@ def cluster(**more):
 
 
 def test_a_cluster_without_workers_is_told(tmp_path, monkeypatch):
-    monkeypatch.setattr("dualcam.study.cluster.NO_WORKERS_FOR", 1)
+    monkeypatch.setattr("dualcam.study.run.cluster.NO_WORKERS_FOR", 1)
     with cluster(n_workers=0) as empty, refused("has no workers", "same command"):
         study().run_to_files(tmp_path, scheduler=empty.scheduler_address)
     assert not list(tmp_path.glob("runs/*"))
 
 
 def test_a_cluster_that_loses_its_workers_is_told_and_nothing_is_lost(tmp_path, monkeypatch):
-    monkeypatch.setattr("dualcam.study.cluster.NO_WORKERS_FOR", 2)
+    monkeypatch.setattr("dualcam.study.run.cluster.NO_WORKERS_FOR", 2)
     one = study(Plan("latin", DESIGN, runs=60), closed(slow, 0.1, 0.02), ["theta"])
     chunks = []
 
@@ -525,6 +526,6 @@ def test_a_cluster_that_loses_its_workers_is_told_and_nothing_is_lost(tmp_path, 
 
 
 def test_workers_without_the_package_are_told(tmp_path):
-    absent = "import sys; sys.modules['dualcam.study.runner'] = None"
+    absent = "import sys; sys.modules['dualcam.study.run.runner'] = None"
     with cluster(n_workers=1, preload=absent) as bare, refused("cannot take", "dualcam"):
         study().run_to_files(tmp_path, scheduler=bare.scheduler_address)

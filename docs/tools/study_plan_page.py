@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import Any
 
 from dualcam.study import entries
-from dualcam.study.reading.schema import json_schema, whole_model
-from dualcam.study.sampling.formula import ARGUMENTS, FUNCTIONS
+from dualcam.study.file.schema import json_schema, whole_model
+from dualcam.study.scenario.formula import ARGUMENTS, FUNCTIONS
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = ROOT / "docs" / "study-plan.md"

@@ -137,8 +137,8 @@ class _Reading:
         return design
 
     def _check_study(self, design: DesignFile) -> None:
-        from dualcam.study.optimisation.reading import check_search_section, is_search
-        from dualcam.study.reading.study_file import check_section
+        from dualcam.study.file.study_file import check_section
+        from dualcam.study.optimisation.file import check_search_section, is_search
 
         check = check_search_section if is_search({"study": design.study}) else check_section
         self.attempt("study", lambda: check(design))
@@ -367,7 +367,7 @@ class _Reading:
 def _scenario(table: Mapping[str, Any], model: str) -> Any:  # noqa: ANN401
     """The Scenario of a validated table; omega and alpha follow from theta where they are not given."""
     from dualcam.errors import DesignError
-    from dualcam.study.scenario import History, Scenario
+    from dualcam.study.scenario.scenario import History, Scenario
 
     if "stop" not in table:
         raise DesignError("lacks stop: give the end of the simulation in s, such as stop = 2.0")

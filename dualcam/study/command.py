@@ -11,11 +11,11 @@ import numpy as np
 from rich.console import Console
 
 from dualcam.errors import DualcamError
+from dualcam.study.file.study_file import read_study
+from dualcam.study.mistakes import StudyError
 from dualcam.study.optimisation.task import Optimisation
-from dualcam.study.problem import StudyError
-from dualcam.study.reading.study_file import read_study
-from dualcam.study.results import read_results
-from dualcam.study.storage import is_url
+from dualcam.study.store.results import read_results
+from dualcam.study.store.storage import is_url
 from dualcam.study.study import Study, say
 
 
@@ -100,7 +100,7 @@ def read_all(paths: Sequence[Path]) -> dict[Path, Study | Optimisation]:
     DesignFileError
         The only file is a design file with errors.
     """
-    from dualcam.study.optimisation.reading import asks_for_optimum, read_optimisation
+    from dualcam.study.optimisation.file import asks_for_optimum, read_optimisation
 
     if len({path.stem for path in paths}) < len(paths):
         raise StudyError("two plans of the same name would share a folder: rename one")

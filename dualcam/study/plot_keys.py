@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from dualcam.study.entries import NUMBER, TEXT, Kind, hint, problems_of_entries
-from dualcam.study.plan import Plan
-from dualcam.study.readings import Readings
+from dualcam.study.plan.plan import Plan
+from dualcam.study.run.results_wanted import Readings
 
 NAMES = TEXT.listed()
 BEST = Kind(

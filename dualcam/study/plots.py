@@ -26,9 +26,9 @@ from numpy.typing import NDArray
 
 from dualcam.fmu import Array, Fmu
 from dualcam.paths import whole_file
+from dualcam.study.mistakes import StudyError, refuse
 from dualcam.study.plot_keys import columns_of, problems_of_columns, problems_of_keys
-from dualcam.study.problem import StudyError, refuse
-from dualcam.study.results import read_results
+from dualcam.study.store.results import read_results
 from dualcam.study.study import Study
 
 DPI = 90

@@ -19,16 +19,16 @@ from rich.text import Text
 
 from dualcam.library import MODELS, source_path
 from dualcam.model_description import Scalar
-from dualcam.study.chunk import Task, Written
-from dualcam.study.execution import workers_for
-from dualcam.study.first_runs import check, takes_less_than
-from dualcam.study.plan import Plan
-from dualcam.study.problem import StudyError
-from dualcam.study.readings import Readings
-from dualcam.study.results import Results, read_results
-from dualcam.study.runner import Job, Runner
-from dualcam.study.scenario import Scenario
-from dualcam.study.store import Store
+from dualcam.study.mistakes import StudyError
+from dualcam.study.plan.plan import Plan
+from dualcam.study.run.chunk import Task, Written
+from dualcam.study.run.first_runs import check, takes_less_than
+from dualcam.study.run.results_wanted import Readings
+from dualcam.study.run.runner import Job, Runner
+from dualcam.study.run.team import workers_for
+from dualcam.study.scenario.scenario import Scenario
+from dualcam.study.store.results import Results, read_results
+from dualcam.study.store.store import Store
 
 if TYPE_CHECKING:
     from distributed import Client

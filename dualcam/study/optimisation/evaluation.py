@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dualcam.reals import Array
+from dualcam.study.optimisation.fields import Design, choices, share_of
 from dualcam.study.optimisation.models import Model, open_model, own_values, plan_of
 from dualcam.study.optimisation.task import Optimisation
-from dualcam.study.optimisation.task_fields import Design, choices, share_of
-from dualcam.study.plan import Plan
+from dualcam.study.plan.plan import Plan
 
 if TYPE_CHECKING:
     from distributed import Client

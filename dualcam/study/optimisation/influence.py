@@ -7,8 +7,8 @@ from contextlib import closing
 import numpy as np
 
 from dualcam.study.optimisation.evaluation import Evaluator
+from dualcam.study.optimisation.fields import Design, share_of
 from dualcam.study.optimisation.task import Optimisation
-from dualcam.study.optimisation.task_fields import Design, share_of
 
 PLACES = (0.0, 0.25, 0.5, 0.75, 1.0)  # shares of the bounds
 UNCHANGED = 1e-7  # relative: an objective that changes by less is the same

@@ -19,12 +19,12 @@ from dualcam.library import source_path
 from dualcam.model_description import read_model_description
 from dualcam.reals import Array
 from dualcam.study.entries import hint
-from dualcam.study.evaluator import Evaluator as StudyRuns
+from dualcam.study.mistakes import StudyError, refuse
+from dualcam.study.optimisation.fields import Design, FmuRuns, Function
 from dualcam.study.optimisation.task import Optimisation
-from dualcam.study.optimisation.task_fields import Design, FmuRuns, Function
-from dualcam.study.plan import Plan
-from dualcam.study.problem import StudyError, refuse
-from dualcam.study.runner import Block
+from dualcam.study.plan.plan import Plan
+from dualcam.study.run.evaluator import Evaluator as StudyRuns
+from dualcam.study.run.runner import Block
 from dualcam.study.study import Study
 
 if TYPE_CHECKING:

@@ -12,8 +12,8 @@ import numpy as np
 from dualcam.reals import Array
 
 if TYPE_CHECKING:
+    from dualcam.study.optimisation.fields import Design
     from dualcam.study.optimisation.task import Optimisation
-    from dualcam.study.optimisation.task_fields import Design
 
 ACTIVE = 1e-3  # a bound or a limit that is nearer than this share of the range or of the limit is active
 

@@ -13,9 +13,9 @@ import dualcam
 from dualcam.html_page import page, table
 from dualcam.report_inputs import USUAL
 from dualcam.study.optimisation.design_files import fits_design_file
+from dualcam.study.optimisation.fields import share_of
 from dualcam.study.optimisation.optimum import ACTIVE, Optimum
-from dualcam.study.optimisation.shown import DIGITS, shown_bounds, unit_of, units_of
-from dualcam.study.optimisation.task_fields import share_of
+from dualcam.study.optimisation.units import DIGITS, shown_bounds, unit_of, units_of
 from dualcam.svg import figure_element
 
 if TYPE_CHECKING:

@@ -19,10 +19,10 @@ import numpy as np
 from filelock import FileLock
 
 from dualcam.reals import Array
-from dualcam.study.chunk import checksum
+from dualcam.study.mistakes import StudyError
 from dualcam.study.optimisation.evaluation import Batch
-from dualcam.study.problem import StudyError
-from dualcam.study.storage import Folder, locked
+from dualcam.study.run.chunk import checksum
+from dualcam.study.store.storage import Folder, locked
 
 FACTS = "optimisation.json"
 BATCHES = "evaluations.jsonl"

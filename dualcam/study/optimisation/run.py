@@ -18,15 +18,15 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from dualcam.library import source_path
 from dualcam.reals import Array
 from dualcam.study.entries import is_whole
+from dualcam.study.mistakes import StudyError
 from dualcam.study.optimisation import evolution, genetic, gradient
 from dualcam.study.optimisation.evaluation import Evaluator
+from dualcam.study.optimisation.fields import FmuRuns
 from dualcam.study.optimisation.optimum import ACTIVE, Optimum, unbeaten
 from dualcam.study.optimisation.record import Record
 from dualcam.study.optimisation.search import BudgetSpent, Search
-from dualcam.study.optimisation.shown import shown
 from dualcam.study.optimisation.task import Optimisation
-from dualcam.study.optimisation.task_fields import FmuRuns
-from dualcam.study.problem import StudyError
+from dualcam.study.optimisation.units import shown
 
 if TYPE_CHECKING:
     from distributed import Client

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from dualcam.study.optimisation.task_check import problems_of_task
-from dualcam.study.optimisation.task_fields import TaskFields
-from dualcam.study.problem import refuse
+from dualcam.study.mistakes import refuse
+from dualcam.study.optimisation.check import problems_of_task
+from dualcam.study.optimisation.fields import TaskFields
 
 
 @dataclass(frozen=True)
