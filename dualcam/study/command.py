@@ -23,22 +23,10 @@ from dualcam.study.study import Study, say
 class Settings:
     """How the studies are run, and where their results go.
 
-    Attributes
-    ----------
-    folder
-        The folder, or URL of a store, that gets one folder for each plan.
-    workers
-        Processes of this machine; 0: in this one; None: one per core, for short studies and
-        optimisations this one.
-    scheduler
-        Address of a Dask scheduler to be used instead.
-    file_format
-        "parquet" or "csv"; None: parquet where pyarrow is installed.
-    figure
-        One picture of all plots; None: one for each plan, beside its results.
-    runs_per_file
-        Runs in a file of results.
-    """
+    `folder`, or URL of a store, gets one folder for each plan. `workers`: processes of this machine; 0: in
+    this one; None: one per core, for short studies and optimisations this one. `scheduler`: address of a Dask
+    scheduler to be used instead. `file_format`: "parquet" or "csv"; None: parquet where pyarrow is installed.
+    `figure`: one picture of all plots; None: one for each plan, beside its results."""
 
     folder: str | Path
     workers: int | None = None

@@ -99,13 +99,7 @@ class Study:
         return Readings(self.results, self.scenario.stop, self.plan.names)
 
     def job(self) -> Job:
-        """What a worker needs for the runs.
-
-        Returns
-        -------
-        Job
-            Path, names, scenario and results.
-        """
+        """What a worker needs for the runs."""
         return Job(
             str(self.path),
             self.plan.names,
@@ -221,13 +215,7 @@ class Study:
         return min(most, max(math.ceil(self.plan.count / CHUNKS_MIN), RUNS_PER_TEXT * texts))
 
     def facts(self) -> dict[str, Any]:
-        """What makes two studies the same: their results could be mixed.
-
-        Returns
-        -------
-        dict
-            Plain data.
-        """
+        """What makes two studies the same: their results could be mixed."""
         return {
             "fmu": hashlib.sha256(self.path.read_bytes()).hexdigest(),
             "plan": self.plan.facts(),

@@ -357,13 +357,7 @@ def whole_model() -> Any:  # noqa: ANN401
 
 
 def json_schema() -> dict[str, Any]:
-    """JSON Schema of plans, for editors.
-
-    Returns
-    -------
-    dict
-        Plain data.
-    """
+    """JSON Schema of plans, for editors."""
     schema = whole_model().model_json_schema()
     return {"$schema": "https://json-schema.org/draft/2020-12/schema"} | _plain(schema)
 

@@ -23,20 +23,12 @@ RUNS_AT_ONCE = 100_000  # so that memory does not grow with designs times sample
 
 @dataclass
 class Batch:
-    """Some designs and what they gave. NaN throughout for a design that failed, whose message says why.
+    """Some designs and what they gave. NaN throughout for a design that failed, whose message, by its place,
+    says why.
 
-    Attributes
-    ----------
-    shares
-        Designs, as shares of the bounds, shape (designs, designed values).
-    results
-        Results of the parts exactly as designed, shape (designs, results).
-    objectives, constraints
-        Values, of parts as made the percentile, shape (designs, objectives) and (designs, constraints). A
-        constraint with two limits has two columns.
-    messages
-        By the place of the design.
-    """
+    `shares` of the bounds, shape (designs, designed values); `results` of the parts exactly as designed;
+    `objectives` and `constraints` of parts as made the percentile, where a constraint with two limits has two
+    columns."""
 
     shares: Array
     results: Array

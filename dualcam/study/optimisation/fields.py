@@ -81,13 +81,7 @@ class Deviation:
     shape: str = "normal"
 
     def problems(self) -> list[str]:
-        """All that is wrong.
-
-        Returns
-        -------
-        list of str
-            What is given and what is allowed.
-        """
+        """All that is wrong: what is given and what is allowed."""
         found = []
         if self.shape not in SHAPES:
             found.append(f"shape = {self.shape!r}{hint(self.shape, SHAPES)}")

@@ -15,22 +15,8 @@ UNCHANGED = 1e-7  # relative: an objective that changes by less is the same
 
 
 def without_influence(task: Optimisation, design: Design, objectives: list[float]) -> list[str]:
-    """Names of what can be anywhere between its bounds without a change of an objective.
-
-    Parameters
-    ----------
-    task
-        What was asked.
-    design
-        The best design.
-    objectives
-        Its objectives.
-
-    Returns
-    -------
-    list of str
-        A value at which all runs fail is not among them.
-    """
+    """Names of what can be anywhere between its bounds without a change of an objective of the best design. A
+    value at which all runs fail is not among them."""
     names = list(task.designed)
     best = np.array([share_of(task.designed[name], design[name]) for name in names])
     moved = np.tile(best, (len(names), len(PLACES), 1))

@@ -89,12 +89,7 @@ class Optimum:
         return [text for text in self.active if not text.startswith(idle)]
 
     def idle_words(self) -> list[str]:
-        """One sentence for each name in `without_influence`.
-
-        Returns
-        -------
-        list of str
-        """
+        """One sentence for each name in `without_influence`."""
         limits = "; any value that keeps the constraints is as good" if self.task.constraints else ""
         return [f"{name} has no influence on the goal{limits}" for name in self.without_influence]
 

@@ -80,20 +80,10 @@ class Correlation:
 
 
 class Copula:
-    """The Gaussian copula of some variables.
+    """The Gaussian copula of some variables, in the order of `vary`. The correlations have no problems, and
+    each pair of names stands once.
 
-    Parameters
-    ----------
-    vary : mapping of str to Vary
-        What varies, in the order of the columns.
-    correlations : sequence of Correlation
-        Without problems, each pair of names once.
-
-    Raises
-    ------
-    StudyError
-        Correlations that contradict each other or that these distributions cannot have.
-    """
+    StudyError for correlations that contradict each other or that these distributions cannot have."""
 
     def __init__(self, vary: Mapping[str, Vary], correlations: Sequence[Correlation]) -> None:
         names = list(vary)
@@ -111,18 +101,8 @@ class Copula:
         self._factor = np.linalg.cholesky(matrix)
 
     def shares(self, independent: Array) -> Array:
-        """Shares with the correlation.
-
-        Parameters
-        ----------
-        independent : ndarray, shape (n, variables)
-            Independent shares in (0, 1).
-
-        Returns
-        -------
-        ndarray, shape (n, variables)
-            Shares in (0, 1), each column uniform as before.
-        """
+        """Shares with the correlation, of independent shares in (0, 1), shape (n, variables); each column is
+        uniform as before."""
         from scipy.special import ndtr, ndtri
 
         return np.asarray(ndtr(ndtri(independent) @ self._factor.T))

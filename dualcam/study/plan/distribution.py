@@ -27,22 +27,11 @@ def names() -> list[str]:
 
 
 class Distribution:
-    """A distribution of scipy.stats with its arguments, truncated to a range.
+    """A distribution of scipy.stats with its arguments by their names there, `mean` and `std` of "normal",
+    truncated to a range, whose ends are NaN where there is none.
 
-    Parameters
-    ----------
-    name : str
-        Name in scipy.stats, or "normal".
-    arguments : mapping of str to float
-        Arguments by their names in scipy.stats: shapes, `loc` and `scale`. Of "normal": `mean` and `std`.
-    low, high : float
-        Ends of the range to which the distribution is truncated; NaN where there is none.
-
-    Raises
-    ------
-    StudyError
-        An unknown name, lacking or unknown arguments, values that the distribution does not allow, or a
-        range without probability.
+    StudyError for an unknown name, lacking or unknown arguments, values that the distribution does not allow,
+    or a range without probability.
 
     Examples
     --------
@@ -130,18 +119,8 @@ class Distribution:
         return self._ends[1] - self._ends[0]
 
     def at(self, share: Array) -> Array:
-        """Quantiles.
-
-        Parameters
-        ----------
-        share : ndarray, shape (n,)
-            Shares in [0, 1] of the truncated distribution.
-
-        Returns
-        -------
-        ndarray, shape (n,)
-            Values; infinite where a share of 0 or 1 has no finite value.
-        """
+        """Quantiles at shares in [0, 1] of the truncated distribution; infinite where 0 or 1 has no finite
+        value."""
         low, mass = self._ends[0], self._mass
         if self._is_upper:
             found = self._frozen.isf(low + (1.0 - share) * mass)
@@ -150,20 +129,8 @@ class Distribution:
         return np.clip(np.asarray(found, float), self.low, self.high)
 
     def share_below(self, value: float, inclusive: bool = True) -> float:
-        """Share of the truncated distribution up to a value.
-
-        Parameters
-        ----------
-        value : float
-            The value.
-        inclusive : bool
-            Whether the value itself counts, which matters for whole numbers only.
-
-        Returns
-        -------
-        float
-            Share in [0, 1].
-        """
+        """Share of the truncated distribution up to a value. `inclusive`: whether the value itself counts,
+        which matters for whole numbers only."""
         at = value if inclusive or not self.is_discrete else math.ceil(value) - 1.0
         if at >= self.high:
             return 1.0
@@ -174,18 +141,7 @@ class Distribution:
         return (float(self._frozen.cdf(at)) - self._ends[0]) / self._mass
 
     def share_above(self, value: float) -> float:
-        """Share of the truncated distribution above a value, also where the share is below 1e-16.
-
-        Parameters
-        ----------
-        value : float
-            The value.
-
-        Returns
-        -------
-        float
-            Share in [0, 1].
-        """
+        """Share of the truncated distribution above a value, also where the share is below 1e-16."""
         if value >= self.high:
             return 0.0
         if value < self.low:

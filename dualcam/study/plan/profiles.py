@@ -28,26 +28,11 @@ POINTS_PER_LENGTH = 2.0  # of the correlation length; fewer would cut the error'
 
 @dataclass(frozen=True)
 class RandomProfiles:
-    """Tables with a random error, each made where a run needs it.
+    """`count` tables with a random error, each made where a run needs it: of the groove z(psi) [m, rad], with
+    the `deviation` of z [m] and the `correlation_length` [rad] of the error.
 
-    Parameters
-    ----------
-    psi, z : sequence of float
-        The groove without error [rad], [m].
-    deviation : float
-        Standard deviation of the error of z [m], above 0.
-    correlation_length : float
-        Angle psi over which the error is alike [rad], above 0.
-    count : int
-        Number of tables.
-    seed : int
-        Start of the random numbers.
-
-    Raises
-    ------
-    StudyError
-        A number that is not above 0, points that are too far apart for the correlation length, or tables
-        that would fall: the message says which share.
+    StudyError for a number that is not above 0, points that are too far apart for the correlation length, or
+    tables that would fall: the message says which share.
 
     Examples
     --------
@@ -112,18 +97,7 @@ class RandomProfiles:
         return np.asarray(self.deviation * vectors[:, kept] * np.sqrt(eigenvalues[kept]))
 
     def height(self, place: int) -> Array:
-        """Heights of a table with its error.
-
-        Parameters
-        ----------
-        place : int
-            Number of the table, from 0.
-
-        Returns
-        -------
-        ndarray, shape (points,)
-            z [m] at the points `psi`.
-        """
+        """Heights z [m] of a table with its error, by its number from 0, at the points `psi`."""
         random = np.random.default_rng([self.seed, place])
         return np.asarray(self.z + self._factor @ random.standard_normal(self._factor.shape[1]))
 

@@ -32,12 +32,8 @@ class Texts(Protocol):
 
 @dataclass(frozen=True)
 class GivenTexts:
-    """Texts as they were given. A text that names a file travels with the file's content.
-
-    Parameters
-    ----------
-    texts : sequence of str
-        Texts, or absolute paths of files.
+    """Texts, or absolute paths of files, as they were given. A text that names a file travels with the
+    content.
 
     Examples
     --------
@@ -51,20 +47,8 @@ class GivenTexts:
 
     @classmethod
     def of(cls, texts: Sequence[str], folder: Path | None = None) -> GivenTexts:
-        """Texts of a list. A relative path of a file in `folder` becomes an absolute one.
-
-        Parameters
-        ----------
-        texts : sequence of str
-            Texts or paths.
-        folder : Path, optional
-            Where relative paths start; None: the current folder.
-
-        Returns
-        -------
-        GivenTexts
-            With the contents of the files.
-        """
+        """Texts of a list. A relative path of a file in `folder`, or else in the current one, becomes an
+        absolute one, and its content is kept."""
         found, contents = [], {}
         for place, text in enumerate(texts):
             path = (folder or Path()) / text

@@ -172,13 +172,8 @@ class Vary:
         return bool(self.distribution) and self.spread.is_whole
 
     def limits(self) -> tuple[float, float]:
-        """Least and greatest value.
-
-        Returns
-        -------
-        tuple of float
-            In the FMU's unit; infinite for a distribution without an end. Of texts: first and last place.
-        """
+        """Least and greatest value, in the FMU's unit; infinite for a distribution without an end. Of texts:
+        first and last place."""
         if self.is_list:
             return float(self._numbers.min()), float(self._numbers.max())
         if self.distribution:
@@ -246,23 +241,11 @@ class Vary:
         return np.minimum(np.searchsorted(ends, share, side="right"), last)
 
     def size(self) -> int:
-        """How many values there are in a grid.
-
-        Returns
-        -------
-        int
-            Number of values.
-        """
+        """How many values there are in a grid."""
         return len(self.values) or self.count
 
     def points(self) -> Array:
-        """The values in a grid.
-
-        Returns
-        -------
-        ndarray, shape (size,)
-            Values, in the FMU's unit.
-        """
+        """The values in a grid, in the FMU's unit."""
         if self.is_list:
             return self._numbers
         if self.distribution:

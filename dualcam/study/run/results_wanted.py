@@ -58,32 +58,12 @@ class Reading:
 
 
 class Readings:
-    """The results of a study, by their texts.
+    """The results of a study, by their texts as in the examples of this module.
 
-    Parameters
-    ----------
-    results : sequence of str
-        As in the examples of this module.
-    stop : float or str
-        End of the runs [s]; a formula where it varies.
-    varied : sequence of str
-        Names of the plan, which formulas may use, too.
-
-    Attributes
-    ----------
-    columns : list of str
-        Names of the columns, in the order of `results`.
-    raw : list of str
-        What the FMU is asked for: names, and `name@time`.
-    series : dict of str to tuple of float
-        The instants [s] of each series.
-    used : set of str
-        Names of the plan that formulas use.
-
-    Raises
-    ------
-    StudyError
-        All texts that are no results.
+    `stop` is the end of the runs [s], a formula where it varies; `varied` are the names of the plan, which
+    formulas may use, too. `columns` are the names of the results, in their order; `raw` is what the FMU is
+    asked for, names and `name@time`; `series` has the instants [s] of each series; `used` are the names of
+    the plan that formulas use. StudyError with all texts that are no results.
 
     Examples
     --------
@@ -167,22 +147,8 @@ class Readings:
         return all(each.kind == VALUE for each in self._parsed.values())
 
     def of(self, raw: Array, varied: Mapping[str, Column], failed: Sequence[int] = ()) -> dict[str, Column]:
-        """The columns of results.
-
-        Parameters
-        ----------
-        raw : ndarray, shape (runs, len(self.raw))
-            What the FMU gave.
-        varied : mapping of str to ndarray, shape (runs,)
-            Values of the plan, for formulas.
-        failed : sequence of int
-            Places of the runs that failed, which have no results.
-
-        Returns
-        -------
-        dict of str to ndarray, shape (runs,) or (runs, instants)
-            In the order of `columns`.
-        """
+        """The columns of results, shape (runs,) or (runs, instants), of what the FMU gave, shape (runs, raw),
+        and of the values of the plan, for formulas. Runs at the places `failed` have no results."""
         if self._is_plain:
             return dict(zip(self.columns, raw.T, strict=True))
         places = {name: k for k, name in enumerate(self.raw)}

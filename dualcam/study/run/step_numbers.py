@@ -30,13 +30,8 @@ Key = tuple[Any, ...]
 class Arrangement:
     """Which calls the steps make, and the views on their numbers: times, sizes, inputs and their rates.
 
-    Attributes
-    ----------
-    steps : tuple of Step
-        Of one run.
-    read_after : tuple of int
-        For each result the step after which it is read; -1: before the first step.
-    """
+    `steps` are those of one run. `read_after` has for each result the step after which it is read; -1: before
+    the first step."""
 
     steps: tuple[Step, ...]
     read_after: tuple[int, ...]
@@ -53,20 +48,7 @@ class Arrangement:
         return key_of(self.steps, self.read_after)
 
     def view(self, place: int, part: str) -> Any:  # noqa: ANN401
-        """The numbers of a step as C has them.
-
-        Parameters
-        ----------
-        place : int
-            The step, from 0.
-        part : {"time", "size", "values", "rates"}
-            What is wanted.
-
-        Returns
-        -------
-        c_double, or array of c_double
-            A view on `buffer`.
-        """
+        """The numbers of a step as C has them, a view on `buffer`: "time", "size", "values" or "rates"."""
         start = sum(_length(step) for step in self.steps[:place])
         step = self.steps[place]
         at, count = {
@@ -106,23 +88,10 @@ class Group:
 
 
 class StepNumbers:
-    """The steps of the runs of a scenario.
+    """The steps of the runs of a scenario, for rows with columns of these names, whose texts are places.
 
-    Parameters
-    ----------
-    scenario : Scenario
-        With or without formulas.
-    results : sequence of str
-        Names, or `name@time`.
-    names : sequence of str
-        Of the columns of a row.
-    texts : mapping of str to Texts
-        Of the columns that are places of texts.
-    interpolates : bool
-        Whether the FMU takes derivatives of inputs.
-    fixed : bool
-        Whether the FMU needs steps of one length.
-    """
+    `interpolates`: whether the FMU takes derivatives of inputs. `fixed`: whether it needs steps of one
+    length."""
 
     def __init__(
         self,
@@ -152,13 +121,8 @@ class StepNumbers:
         return tuple(steps), tuple(read_after)
 
     def groups(self, rows: Array) -> tuple[list[Group], dict[int, str]]:
-        """The runs of some rows by their arrangements, and by their places those that are no scenario: why.
-
-        Parameters
-        ----------
-        rows : ndarray, shape (n, names)
-            As of `Plan.rows`.
-        """
+        """The runs of rows as of `Plan.rows` by their arrangements, and by their places those that are no
+        scenario: why."""
         if self._is_linear:
             return self._linear_group(rows)
         if has_points(self.scenario, self._interpolates, self._fixed):
@@ -191,18 +155,7 @@ class StepNumbers:
         return self.scenario.at(values_of(self.names, row, self.texts))
 
     def law_arguments(self, rows: Array) -> Array:
-        """The numbers of the controller's arguments; of texts their places.
-
-        Parameters
-        ----------
-        rows : ndarray, shape (n, names)
-            As of `Plan.rows`.
-
-        Returns
-        -------
-        ndarray, shape (n, arguments)
-            Columns in the order of the arguments.
-        """
+        """The numbers of the controller's arguments for each row, in their order; of texts their places."""
         control = self.scenario.controller
         assert control is not None
         columns = dict(zip(self.names, rows.T, strict=True))

@@ -30,19 +30,8 @@ def has_points(scenario: Scenario, interpolates: bool, fixed: bool) -> bool:
 
 @dataclass(frozen=True)
 class StepRows:
-    """Steps of runs that make the same calls.
-
-    Attributes
-    ----------
-    places : ndarray of int, shape (runs,)
-        Which rows these are.
-    steps : tuple of Step
-        Of the first of them.
-    read_after : tuple of int
-        For each result the step after which it is read; -1: before the first step.
-    numbers : ndarray, shape (runs, numbers)
-        Numbers of the steps of each run.
-    """
+    """Steps of runs that make the same calls: which rows these are, the steps of the first of them, for each
+    result the step after which it is read (-1: before the first step), and the numbers of each run."""
 
     places: NDArray[np.intp]
     steps: tuple[Step, ...]

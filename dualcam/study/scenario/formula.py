@@ -77,27 +77,13 @@ PARTS = re.compile(rf"`(?P<quoted>[^`]*)`|'[^']*'|(?P<timed>{TIMED})")
 
 
 class Formula:
-    """A formula of a text.
+    """A formula of a text, with the `names` of the values in it, each once. StudyError, which says where and
+    what is allowed, for a text that is no formula.
 
     `^` and `**` are powers. Names are those of values, with their points, and of results at a time, such as
     `theta@0.2`; a name with other characters stands in backquotes. Texts in apostrophes are quantities with a
     unit, such as `'79 GPa'`, in the base unit of the SI. Functions: the keys of FUNCTIONS. Comparisons,
     `and`, `or`, `not` give true and false.
-
-    Parameters
-    ----------
-    text : str
-        The formula.
-
-    Attributes
-    ----------
-    names : tuple of str
-        The names of the values in the formula, each once.
-
-    Raises
-    ------
-    StudyError
-        The text is no formula: the message says where, and what is allowed.
 
     Examples
     --------
@@ -121,18 +107,8 @@ class Formula:
         return f"Formula({self.text!r})"
 
     def __call__(self, values: Mapping[str, Any]) -> Any:  # noqa: ANN401
-        """The formula's value.
-
-        Parameters
-        ----------
-        values : mapping of str to float or ndarray, shape (n,)
-            At least those of `names`.
-
-        Returns
-        -------
-        float or ndarray, shape (n,)
-            NaN or infinite where the formula is not defined.
-        """
+        """The formula's value for numbers or arrays by name, at least those of `names`: NaN or infinite where
+        the formula is not defined."""
         with np.errstate(all="ignore"):
             return self._value(self._tree, values)
 
