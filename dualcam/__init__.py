@@ -48,6 +48,7 @@ if TYPE_CHECKING:
     )
     from dualcam.bridge import to_nonlinear_io_system
     from dualcam.checking import Verdict, check_design
+    from dualcam.common.mistakes import StudyError
     from dualcam.continuous_fmu import ContinuousFmu
     from dualcam.coupling import PlantCoupling
     from dualcam.design_file import DesignFile, DesignFileError, read_design
@@ -84,7 +85,6 @@ if TYPE_CHECKING:
     from dualcam.sampled_loop import LoopMotion
     from dualcam.simulation import Trajectory, simulate
     from dualcam.ssp import export_ssp
-    from dualcam.study.mistakes import StudyError
     from dualcam.view import write_view
 
     __version__: str

@@ -21,7 +21,7 @@ from dualcam.unit_guards import units_checked_before
 
 if TYPE_CHECKING:
     from dualcam.design_file import DesignFile, DesignSource
-    from dualcam.study.scenario.scenario import Step
+    from dualcam.scenario.scenario import Step
 
 Array = NDArray[np.float64]
 

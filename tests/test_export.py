@@ -27,8 +27,8 @@ from dualcam.errors import DualcamError, DualcamWarning, FmuError
 from dualcam.export import ExportError, export_fmu, model_identifier
 from dualcam.export.scenario import python_lines
 from dualcam.library import fmu_path
+from dualcam.scenario.scenario import History, Scenario
 from dualcam.simulation import simulate
-from dualcam.study.scenario.scenario import History, Scenario
 from dualcam.variables import inputs_of
 
 DESIGNS = ("helix", "ellipse", "table")

@@ -20,6 +20,7 @@ from dualcam.__main__ import main
 from dualcam.checking import check_design
 from dualcam.design_file import read_design
 from dualcam.errors import DualcamError
+from dualcam.scenario.formula import formula
 from dualcam.study import (
     Deviation,
     FmuRuns,
@@ -31,12 +32,11 @@ from dualcam.study import (
     read_optimisation,
 )
 from dualcam.study.file import schema
-from dualcam.study.optimisation.evaluation import Evaluator, percentile
+from dualcam.study.optimisation.evaluation import DesignEvaluator, percentile
 from dualcam.study.optimisation.genetic import hypervolume
 from dualcam.study.optimisation.optimum import unbeaten
 from dualcam.study.optimisation.record import BATCHES, Record
 from dualcam.study.optimisation.run import facts
-from dualcam.study.scenario.formula import formula
 from dualcam.systems import elbow, knee
 
 REST = Scenario(1e-3)
@@ -203,7 +203,7 @@ def test_percentile_of_parts_is_that_of_plain_monte_carlo():
         percentile=90.0,
         samples=4000,
     )
-    evaluator = Evaluator(one)
+    evaluator = DesignEvaluator(one)
     batch = evaluator.evaluate(np.array([[0.5, 0.4]]))
     evaluator.close()
     random = np.random.default_rng(8)
@@ -235,7 +235,7 @@ def test_deviations_are_those_of_the_distribution_and_common_to_all_designs():
     one = task(
         {"efficiency": "maximise"}, tolerances={"cam1.lead_angle": Deviation(0.02, "uniform")}, same_as={}
     )
-    evaluator = Evaluator(one)
+    evaluator = DesignEvaluator(one)
     made = evaluator.made(np.array([[0.5, 0.6], [0.8, 0.9]]))
     evaluator.close()
     moved = made[:, 1:, 0] - made[:, :1, 0]
@@ -569,7 +569,7 @@ samples = 16
     assert one.method_used == "nsga2"
     assert one.tolerances["cam1.lead_angle"].plus_minus == pytest.approx(math.radians(1.0))
     assert one.constraints == {"torque_load": (None, 0.9)}
-    evaluator = Evaluator(one)
+    evaluator = DesignEvaluator(one)
     begins = evaluator.design(evaluator.start())
     evaluator.close()
     assert begins["cam1.lead_angle"] == pytest.approx(math.radians(40.0))

@@ -86,8 +86,8 @@ def test_an_editor_shows_a_mistake(change, path):
 
 
 def test_kinds_and_shapes_are_all_on_the_page():
+    from dualcam.scenario.history import SHAPES
     from dualcam.study.plan.arrangements import KINDS
-    from dualcam.study.scenario.history import SHAPES
 
     text = TEXTS["docs/study-plan.md"]
     assert all(f"| `{kind}` |" in text for kind in KINDS)

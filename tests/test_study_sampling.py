@@ -8,11 +8,11 @@ import pytest
 from scipy import stats
 from study_cases import refused, runs_of, study
 
+from dualcam.scenario.formula import Formula, is_formula
 from dualcam.study import Correlation, Plan, Scenario, Vary
 from dualcam.study.plan.correlation import Copula
 from dualcam.study.plan.distribution import Distribution, names
 from dualcam.study.plan.profiles import RandomProfiles
-from dualcam.study.scenario.formula import Formula, is_formula
 
 LEAST_P = 1e-3  # of a test of Kolmogorov and Smirnov with a fixed seed
 SHARES = np.linspace(0.001, 0.999, 199)

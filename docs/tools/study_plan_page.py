@@ -11,9 +11,9 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from dualcam.study import entries
+from dualcam.common import entries
+from dualcam.scenario.formula import ARGUMENTS, FUNCTIONS
 from dualcam.study.file.schema import json_schema, whole_model
-from dualcam.study.scenario.formula import ARGUMENTS, FUNCTIONS
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = ROOT / "docs" / "study-plan.md"

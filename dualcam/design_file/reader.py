@@ -367,7 +367,7 @@ class _Reading:
 def _scenario(table: Mapping[str, Any], model: str) -> Any:  # noqa: ANN401
     """The Scenario of a validated table; omega and alpha follow from theta where they are not given."""
     from dualcam.errors import DesignError
-    from dualcam.study.scenario.scenario import History, Scenario
+    from dualcam.scenario.scenario import History, Scenario
 
     if "stop" not in table:
         raise DesignError("lacks stop: give the end of the simulation in s, such as stop = 2.0")

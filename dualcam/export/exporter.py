@@ -29,7 +29,7 @@ from dualcam.unit_guards import units_checked_before
 from dualcam.variables import all_parameters, inputs_of, parameters_of, unused
 
 if TYPE_CHECKING:
-    from dualcam.study.scenario.scenario import Scenario
+    from dualcam.scenario.scenario import Scenario
 
 
 @runtime_checkable

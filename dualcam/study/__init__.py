@@ -21,13 +21,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from dualcam.common.mistakes import StudyError
 from dualcam.module_calls import explain_call_of
-from dualcam.study.mistakes import StudyError
+from dualcam.scenario.scenario import Controller, History, Scenario
 from dualcam.study.plan.correlation import Correlation
 from dualcam.study.plan.plan import Plan
 from dualcam.study.plan.vary import Vary
 from dualcam.study.run.evaluator import Evaluator
-from dualcam.study.scenario.scenario import Controller, History, Scenario
 from dualcam.study.store.results import Results, read_results
 from dualcam.study.study import Study
 

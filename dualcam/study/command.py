@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 from rich.console import Console
 
+from dualcam.common.mistakes import StudyError
 from dualcam.errors import DualcamError
 from dualcam.study.file.study_file import read_study
-from dualcam.study.mistakes import StudyError
 from dualcam.study.optimisation.task import Optimisation
 from dualcam.study.store.results import read_results
 from dualcam.study.store.storage import is_url

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from dualcam.study.entries import NUMBER, TEXT, Kind, hint, problems_of_entries
+from dualcam.common.entries import NUMBER, TEXT, Kind, hint, problems_of_entries
 from dualcam.study.plan.plan import Plan
 from dualcam.study.run.results_wanted import Readings
 

@@ -24,9 +24,9 @@ from matplotlib.collections import LineCollection
 from matplotlib.text import Text
 from numpy.typing import NDArray
 
+from dualcam.common.mistakes import StudyError, refuse
 from dualcam.fmu import Array, Fmu
 from dualcam.paths import whole_file
-from dualcam.study.mistakes import StudyError, refuse
 from dualcam.study.plot_keys import columns_of, problems_of_columns, problems_of_keys
 from dualcam.study.store.results import read_results
 from dualcam.study.study import Study

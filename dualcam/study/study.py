@@ -17,16 +17,16 @@ from rich.progress import BarColumn, Progress, ProgressColumn, TextColumn, TimeR
 from rich.progress import Task as Shown
 from rich.text import Text
 
+from dualcam.common.mistakes import StudyError
 from dualcam.library import MODELS, source_path
 from dualcam.model_description import Scalar
-from dualcam.study.mistakes import StudyError
+from dualcam.scenario.scenario import Scenario
 from dualcam.study.plan.plan import Plan
 from dualcam.study.run.chunk import Task, Written
 from dualcam.study.run.first_runs import check, takes_less_than
 from dualcam.study.run.results_wanted import Readings
 from dualcam.study.run.runner import Job, Runner
 from dualcam.study.run.team import workers_for
-from dualcam.study.scenario.scenario import Scenario
 from dualcam.study.store.results import Results, read_results
 from dualcam.study.store.store import Store
 

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
+from dualcam.common.mistakes import Findings, StudyError
 from dualcam.library import MODELS
 from dualcam.study.file.paths import resources_of
 from dualcam.study.file.quantities import Units, units_of
-from dualcam.study.mistakes import Findings, StudyError
 from dualcam.study.run.fmu_check import Variables
 
 

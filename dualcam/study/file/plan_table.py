@@ -7,18 +7,18 @@ from difflib import get_close_matches
 from functools import partial
 from typing import Any
 
+from dualcam.common.mistakes import Findings, StudyError
 from dualcam.common.tables import in_unit
 from dualcam.reals import Array
+from dualcam.scenario.formula import formula, is_formula
 from dualcam.study.file import quantities
 from dualcam.study.file.context import Context
 from dualcam.study.file.paths import missing_file
 from dualcam.study.file.values import STAND_IN, ValuesReader, missing_texts
-from dualcam.study.mistakes import Findings, StudyError
 from dualcam.study.plan import tables
 from dualcam.study.plan.correlation import Correlation
 from dualcam.study.plan.plan import Plan
 from dualcam.study.plan.vary import Vary
-from dualcam.study.scenario.formula import formula, is_formula
 
 AS_GIVEN = ("runs", "seed", "on_violation", "second_order", "levels")  # keys that are arguments of Plan
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from dualcam.common.mistakes import StudyError
 from dualcam.errors import DesignError
 from dualcam.model_description import Variable
-from dualcam.study.mistakes import StudyError
 
 Units = Mapping[str, str | None]  # unit by variable, "1" for a plain number; None: no real
 STRING = "String"  # in place of the unit of a String

@@ -6,12 +6,12 @@ import importlib
 from collections.abc import Mapping
 from typing import Any
 
+from dualcam.common.mistakes import Findings, StudyError
+from dualcam.scenario.formula import is_formula
+from dualcam.scenario.history import History, Number
+from dualcam.scenario.scenario import Controller, Scenario
 from dualcam.study.file.context import Context
 from dualcam.study.file.quantities import in_si, in_unit
-from dualcam.study.mistakes import Findings, StudyError
-from dualcam.study.scenario.formula import is_formula
-from dualcam.study.scenario.history import History, Number
-from dualcam.study.scenario.scenario import Controller, Scenario
 
 UNITS = {"time": "s", "frequency": "Hz", "phase": "rad"}  # of numbers of an input; others have the input's
 LISTED = ("time", "value")

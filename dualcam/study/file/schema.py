@@ -12,7 +12,7 @@ from typing import Annotated, Any
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema, create_model
 from pydantic_core import PydanticCustomError
 
-from dualcam.study.entries import (
+from dualcam.common.entries import (
     NUMBER,
     NUMBERS_BY_NAME,
     QUANTITIES_BY_NAME,
@@ -25,9 +25,9 @@ from dualcam.study.entries import (
     WHOLE,
     Kind,
 )
+from dualcam.scenario.history import SHAPES
 from dualcam.study.plan.arrangements import KINDS
 from dualcam.study.plan.check import ON_VIOLATION
-from dualcam.study.scenario.history import SHAPES
 
 PLOTS = ("map", "sobol", "pareto", "parallel")
 _NUMBER = {"type": "number"}
@@ -50,7 +50,7 @@ JSON: dict[str, dict[str, Any]] = {  # JSON Schema of each kind, by its words
 }
 
 
-class Table(BaseModel):
+class FileTable(BaseModel):
     """A table of the file: no other keys than these."""
 
     model_config = ConfigDict(extra="forbid", strict=True)
@@ -82,7 +82,7 @@ def _field(description: str, words: str, needed: bool) -> Any:  # noqa: ANN401
 
 
 def _table(name: str, description: str, fields: Mapping[str, Any]) -> Any:  # noqa: ANN401
-    return create_model(name, __base__=Table, __doc__=description, **fields)
+    return create_model(name, __base__=FileTable, __doc__=description, **fields)
 
 
 def _nested(kind: Any, description: str, words: str = TABLE.words, needed: bool = False) -> Any:  # noqa: ANN401

@@ -8,8 +8,8 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from dualcam.study.entries import NUMBERS_BY_NAME, QUANTITIES_BY_NAME, QUANTITY, hint
-from dualcam.study.mistakes import Findings
+from dualcam.common.entries import NUMBERS_BY_NAME, QUANTITIES_BY_NAME, QUANTITY, hint
+from dualcam.common.mistakes import Findings
 from dualcam.study.plot_keys import problems_of_keys
 
 Place = tuple[str | int, ...]  # keys on the way through a file, such as ("plan", "vary", "push")

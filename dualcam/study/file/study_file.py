@@ -8,20 +8,20 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from dualcam.common.mistakes import Findings, StudyError, refuse, told_of
 from dualcam.design_file.toml_text import tables_of
 from dualcam.errors import DualcamWarning
 from dualcam.model_description import Scalar
+from dualcam.scenario.scenario import Scenario
 from dualcam.study.file.context import Context
 from dualcam.study.file.plan_table import plan_of
 from dualcam.study.file.quantities import STRING, in_unit
 from dualcam.study.file.scenario_table import scenario_of
 from dualcam.study.file.schema import plan_model, section_model
 from dualcam.study.file.schema_check import check_schema
-from dualcam.study.mistakes import Findings, StudyError, refuse, told_of
 from dualcam.study.plot_keys import problems_of_columns
 from dualcam.study.run.fmu_check import problems_with_fmu
 from dualcam.study.run.results_wanted import Readings
-from dualcam.study.scenario.scenario import Scenario
 from dualcam.study.study import Study
 
 if TYPE_CHECKING:

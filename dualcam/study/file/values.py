@@ -6,10 +6,10 @@ import math
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+from dualcam.common.mistakes import Findings, StudyError
 from dualcam.study.file.context import Context
 from dualcam.study.file.paths import is_file_name, missing_file
 from dualcam.study.file.quantities import STRING, are_of_one_kind, in_unit, number, unit_in
-from dualcam.study.mistakes import Findings, StudyError
 from dualcam.study.plan.profiles import profiles_of_file
 from dualcam.study.plan.texts import GivenTexts
 from dualcam.study.plan.vary import Vary

@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from dualcam.study.entries import hint, is_whole
-from dualcam.study.mistakes import StudyError
+from dualcam.common.entries import hint, is_whole
+from dualcam.common.mistakes import StudyError
+from dualcam.scenario.formula import formula
 from dualcam.study.optimisation.fields import TaskFields, is_within
 from dualcam.study.optimisation.units import shown, shown_bounds
 from dualcam.study.plan.check import problem_of_same
 from dualcam.study.run.results_wanted import is_series
-from dualcam.study.scenario.formula import formula
 
 METHODS = ("slsqp", "evolution", "nsga2")
 DIRECTIONS = ("minimise", "maximise")

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dualcam.study.mistakes import StudyError, refuse
+from dualcam.common.mistakes import StudyError, refuse
 from dualcam.study.optimisation.design_files import fits_design_file, write_design
 from dualcam.study.optimisation.fields import FmuRuns
 from dualcam.study.optimisation.optimum import Optimum

@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dualcam.model_description import Scalar
+from dualcam.scenario.formula import formula
+from dualcam.scenario.scenario import History, Scenario
 from dualcam.study.optimisation.fields import Design, FmuRuns
 from dualcam.study.optimisation.task import Optimisation
-from dualcam.study.scenario.formula import formula
-from dualcam.study.scenario.scenario import History, Scenario
 
 if TYPE_CHECKING:
     from dualcam.design_file import DesignFile

@@ -22,7 +22,7 @@ RUNS_AT_ONCE = 100_000  # so that memory does not grow with designs times sample
 
 
 @dataclass
-class Batch:
+class EvaluatedDesigns:
     """Some designs and what they gave. NaN throughout for a design that failed, whose message, by its place,
     says why.
 
@@ -37,7 +37,7 @@ class Batch:
     messages: dict[int, str]
 
 
-class Evaluator:
+class DesignEvaluator:
     """Evaluates designs of a task."""
 
     def __init__(self, task: Optimisation, workers: int = 0, scheduler: str | Client | None = None) -> None:
@@ -104,7 +104,7 @@ class Evaluator:
 
     # ---- evaluation ----
 
-    def evaluate(self, shares: Array) -> Batch:
+    def evaluate(self, shares: Array) -> EvaluatedDesigns:
         """Objectives and constraints of designs, shape (designs, designed values)."""
         size = max(1, RUNS_AT_ONCE // (1 + len(self._deviations)))
         parts = [self._evaluate(shares[k : k + size]) for k in range(0, len(shares), size)]
@@ -115,9 +115,9 @@ class Evaluator:
             np.concatenate([getattr(part, name) for part in parts])
             for name in ("results", "objectives", "constraints")
         )
-        return Batch(shares, results, objectives, constraints, messages)
+        return EvaluatedDesigns(shares, results, objectives, constraints, messages)
 
-    def _evaluate(self, shares: Array) -> Batch:
+    def _evaluate(self, shares: Array) -> EvaluatedDesigns:
         made = self.made(shares)
         count, copies, width = made.shape
         block = self._model(made.reshape(count * copies, width))
@@ -134,7 +134,7 @@ class Evaluator:
         messages = _messages(block.messages, copies, objectives, constraints)
         for place in messages:
             objectives[place] = constraints[place] = math.nan
-        return Batch(shares, results[:, 0], objectives, constraints, messages)
+        return EvaluatedDesigns(shares, results[:, 0], objectives, constraints, messages)
 
     def _value(self, text: str, known: Mapping[str, Array], sign: float) -> Array:
         """The formula's value of each design; `sign` 1: less is better."""

@@ -9,13 +9,13 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+from dualcam.common.entries import hint
 from dualcam.model_description import Scalar
-from dualcam.study.entries import hint
+from dualcam.scenario.formula import Formula, formula
+from dualcam.scenario.scenario import Scenario
 from dualcam.study.plan.correlation import Correlation
 from dualcam.study.plan.vary import Vary
 from dualcam.study.run.results_wanted import column_of
-from dualcam.study.scenario.formula import Formula, formula
-from dualcam.study.scenario.scenario import Scenario
 
 SHAPES = ("normal", "uniform", "triangular")  # as Tolerance.within, whose module loads scipy.stats
 SIGMAS = 3.0  # half-widths of a normal distribution between its limits, in standard deviations

@@ -10,9 +10,11 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
+from dualcam.common.entries import hint
+from dualcam.common.mistakes import Findings, StudyError, told_of
 from dualcam.design_file.toml_text import tables_of
 from dualcam.model_description import Scalar
-from dualcam.study.entries import hint
+from dualcam.scenario.scenario import Scenario
 from dualcam.study.file.context import Context
 from dualcam.study.file.plan_table import plan_of
 from dualcam.study.file.quantities import number, unit_in
@@ -21,13 +23,11 @@ from dualcam.study.file.schema import search_model, search_section_model
 from dualcam.study.file.schema_check import check_schema
 from dualcam.study.file.study_file import NO_SCENARIO, content_of, may_lack_scenario, parameters_of
 from dualcam.study.file.values import STAND_IN
-from dualcam.study.mistakes import Findings, StudyError, told_of
 from dualcam.study.optimisation.design_files import sections_of
 from dualcam.study.optimisation.fields import Deviation, FmuRuns, Range
 from dualcam.study.optimisation.task import Optimisation
 from dualcam.study.plan.plan import Plan
 from dualcam.study.run.fmu_check import problems_with_fmu
-from dualcam.study.scenario.scenario import Scenario
 from dualcam.study.study import Study
 
 if TYPE_CHECKING:

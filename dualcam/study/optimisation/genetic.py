@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from dualcam.common.mistakes import StudyError
 from dualcam.reals import Array
-from dualcam.study.mistakes import StudyError
 from dualcam.study.optimisation.evolution import first_designs
 from dualcam.study.optimisation.optimum import unbeaten
 from dualcam.study.optimisation.search import TOLERANCE, Search

@@ -6,7 +6,7 @@ from contextlib import closing
 
 import numpy as np
 
-from dualcam.study.optimisation.evaluation import Evaluator
+from dualcam.study.optimisation.evaluation import DesignEvaluator
 from dualcam.study.optimisation.fields import Design, share_of
 from dualcam.study.optimisation.task import Optimisation
 
@@ -22,7 +22,7 @@ def without_influence(task: Optimisation, design: Design, objectives: list[float
     moved = np.tile(best, (len(names), len(PLACES), 1))
     for k in range(len(names)):
         moved[k, :, k] = PLACES
-    with closing(Evaluator(task)) as evaluator:
+    with closing(DesignEvaluator(task)) as evaluator:
         found = evaluator.evaluate(moved.reshape(-1, len(names))).objectives
     values = found.reshape(len(names), len(PLACES), -1)
     failed = np.isnan(values).any(axis=2)

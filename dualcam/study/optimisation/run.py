@@ -15,12 +15,12 @@ from numpy.typing import NDArray
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
+from dualcam.common.entries import is_whole
+from dualcam.common.mistakes import StudyError
 from dualcam.library import source_path
 from dualcam.reals import Array
-from dualcam.study.entries import is_whole
-from dualcam.study.mistakes import StudyError
 from dualcam.study.optimisation import evolution, genetic, gradient
-from dualcam.study.optimisation.evaluation import Evaluator
+from dualcam.study.optimisation.evaluation import DesignEvaluator
 from dualcam.study.optimisation.fields import FmuRuns
 from dualcam.study.optimisation.optimum import ACTIVE, Optimum, unbeaten
 from dualcam.study.optimisation.record import Record
@@ -90,7 +90,7 @@ def optimise(
     if task.method_used == "nsga2":
         genetic.load()
     place = None if folder is None else Path(folder)
-    with closing(Evaluator(task, workers, scheduler)) as evaluator:
+    with closing(DesignEvaluator(task, workers, scheduler)) as evaluator:
         record = Record(place, facts(task), _versions(task))
         with closing(record), _progress(console, task, record.resumed) as on_batch:
             search = Search(evaluator, record, on_batch)

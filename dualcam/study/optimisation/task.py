@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from dualcam.study.mistakes import refuse
+from dualcam.common.mistakes import refuse
 from dualcam.study.optimisation.check import problems_of_task
 from dualcam.study.optimisation.fields import TaskFields
 

@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
+from dualcam.common.mistakes import StudyError
 from dualcam.reals import Array
-from dualcam.study.mistakes import StudyError
 
 KINDS = ("grid", "random", "latin", "sobol", "indices", "saltelli", "morris", "fast", "table")
 INDEPENDENT = ("random", "latin", "sobol")  # their runs may be correlated, and drawn again one by one

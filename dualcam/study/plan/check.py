@@ -7,14 +7,14 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
 import numpy as np
 
-from dualcam.study.entries import hint, is_whole
-from dualcam.study.mistakes import StudyError
+from dualcam.common.entries import hint, is_whole
+from dualcam.common.mistakes import StudyError
+from dualcam.scenario.formula import CONSTANTS, formula, is_formula
 from dualcam.study.plan import arrangements
 from dualcam.study.plan.constraints import in_order
 from dualcam.study.plan.correlation import Copula, Correlation
 from dualcam.study.plan.fields import PlanFields
 from dualcam.study.plan.vary import Vary
-from dualcam.study.scenario.formula import CONSTANTS, formula, is_formula
 
 ON_VIOLATION = ("redraw", "mark")
 ROWS_NAMED = 10  # of a table with numbers that are not finite

@@ -7,9 +7,9 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from dualcam.common.mistakes import StudyError
 from dualcam.reals import Array
-from dualcam.study.mistakes import StudyError
-from dualcam.study.scenario.formula import Formula, formula
+from dualcam.scenario.formula import Formula, formula
 
 
 def in_order(derived: Mapping[str, str]) -> list[tuple[str, Formula]]:

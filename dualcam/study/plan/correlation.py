@@ -16,9 +16,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from dualcam.common.entries import hint
+from dualcam.common.mistakes import StudyError
 from dualcam.reals import Array
-from dualcam.study.entries import hint
-from dualcam.study.mistakes import StudyError
 from dualcam.study.plan.vary import Vary
 
 NODES = 40  # of Gauss-Hermite quadrature in each direction

@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
+from dualcam.common.mistakes import StudyError
 from dualcam.reals import Array
-from dualcam.study.mistakes import StudyError
 
 USUAL = {"normal": "norm", "gaussian": "norm", "lognormal": "lognorm", "exponential": "expon"}
 WORDS = {"mean": "loc", "std": "scale"}  # of the normal distribution

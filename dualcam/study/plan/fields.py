@@ -10,7 +10,7 @@ from functools import cached_property
 from numpy.typing import ArrayLike
 
 from dualcam.arrays import TRUTH, Array, real_array
-from dualcam.study.mistakes import StudyError
+from dualcam.common.mistakes import StudyError
 from dualcam.study.plan import arrangements
 from dualcam.study.plan.correlation import Correlation
 from dualcam.study.plan.texts import Texts

@@ -18,7 +18,7 @@ from pathlib import Path
 
 from filelock import FileLock, Timeout
 
-from dualcam.study.mistakes import StudyError
+from dualcam.common.mistakes import StudyError
 
 LOCK = ".lock"
 

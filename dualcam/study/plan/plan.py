@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from dualcam.arrays import Array
-from dualcam.study.mistakes import refuse
+from dualcam.common.mistakes import refuse
 from dualcam.study.plan.check import problems_of_plan
 from dualcam.study.plan.fields import PlanFields
 from dualcam.study.plan.sampler import Sampler

@@ -17,9 +17,9 @@ from pathlib import Path
 
 import numpy as np
 
+from dualcam.common.mistakes import StudyError
 from dualcam.common.tables import GROOVE_HEADER, fmu_text
 from dualcam.reals import Array
-from dualcam.study.mistakes import StudyError
 from dualcam.study.plan.kept_files import kept_file
 
 POINTS_MAX = 2000  # of a table: the covariance matrix has the square of this

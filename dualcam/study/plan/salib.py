@@ -6,8 +6,8 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from dualcam.study.entries import hint
-from dualcam.study.mistakes import StudyError
+from dualcam.common.entries import hint
+from dualcam.common.mistakes import StudyError
 from dualcam.study.plan.vary import Vary
 
 

@@ -7,8 +7,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from dualcam.common.mistakes import StudyError
 from dualcam.reals import Array
-from dualcam.study.mistakes import StudyError
 from dualcam.study.plan import arrangements
 from dualcam.study.plan.constraints import any_of, in_order, violations
 from dualcam.study.plan.correlation import OPEN, Copula

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from dualcam.arrays import TRUTH, Array, real_array
+from dualcam.common.mistakes import StudyError
 from dualcam.common.tables import Converter, TableError, read_columns
-from dualcam.study.mistakes import StudyError
 from dualcam.study.plan.texts import GivenTexts
 from dualcam.study.plan.vary import Vary
 

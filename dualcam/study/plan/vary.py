@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from dualcam.arrays import TRUTH, Array, real_array
-from dualcam.study.entries import is_whole
-from dualcam.study.mistakes import StudyError
+from dualcam.common.entries import is_whole
+from dualcam.common.mistakes import StudyError
 from dualcam.study.plan.distribution import Distribution
 from dualcam.study.plan.texts import GivenTexts, Texts
 

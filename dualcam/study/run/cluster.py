@@ -14,8 +14,8 @@ from pathlib import Path
 from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Any
 
+from dualcam.common.mistakes import StudyError
 from dualcam.fmu import Array
-from dualcam.study.mistakes import StudyError
 from dualcam.study.run.chunk import Answer, Order, Task
 from dualcam.study.run.runner import Block
 from dualcam.study.run.workers import Answers, Died, Workers

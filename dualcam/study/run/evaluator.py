@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from dualcam.arrays import real_array
-from dualcam.study.mistakes import StudyError
+from dualcam.common.mistakes import StudyError
 from dualcam.study.run.chunk import Task, varied_columns
 from dualcam.study.run.first_runs import check
 from dualcam.study.run.runner import Block

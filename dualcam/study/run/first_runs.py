@@ -9,14 +9,14 @@ from collections.abc import Collection, Mapping
 
 import numpy as np
 
+from dualcam.common.mistakes import refuse
 from dualcam.errors import DualcamWarning
 from dualcam.reals import Array
-from dualcam.study.mistakes import refuse
+from dualcam.scenario.history import numbers_in
+from dualcam.scenario.scenario import SAME_TIME
 from dualcam.study.plan.plan import Plan
 from dualcam.study.run.fmu_check import Variables, percent, problems_with_fmu
 from dualcam.study.run.runner import Job, Runner
-from dualcam.study.scenario.history import numbers_in
-from dualcam.study.scenario.scenario import SAME_TIME
 
 SAMPLE = 32  # runs by which the time of a study is estimated
 LOOKED_AT = 1000  # runs, for what cannot be known of all

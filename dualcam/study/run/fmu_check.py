@@ -11,16 +11,16 @@ from pathlib import Path
 
 import numpy as np
 
+from dualcam.common.entries import hint
+from dualcam.common.mistakes import Findings
 from dualcam.errors import FmuError
 from dualcam.handle import suitable_value, unknown_variable
 from dualcam.library import source_path
 from dualcam.model_description import Kind, Variable, read_model_description
-from dualcam.study.entries import hint
-from dualcam.study.mistakes import Findings
+from dualcam.scenario.formula import formula
+from dualcam.scenario.scenario import instants
 from dualcam.study.plan.plan import Plan
 from dualcam.study.run.runner import Job
-from dualcam.study.scenario.formula import formula
-from dualcam.study.scenario.scenario import instants
 
 NUMERIC: tuple[Kind, ...] = ("real", "integer", "boolean")
 RUNS_REFUSED = 0.01  # expected number of them, from which on a distribution is refused

@@ -16,8 +16,8 @@ from multiprocessing.connection import Connection, wait
 from queue import SimpleQueue
 from typing import cast
 
+from dualcam.common.mistakes import StudyError
 from dualcam.fmu import Array
-from dualcam.study.mistakes import StudyError
 from dualcam.study.run.chunk import Answer, Order, Task
 from dualcam.study.run.runner import Block
 from dualcam.study.run.workers import AHEAD, Answers, Died, Workers

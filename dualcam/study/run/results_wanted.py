@@ -23,9 +23,9 @@ from typing import Any
 
 import numpy as np
 
+from dualcam.common.mistakes import Findings, StudyError
 from dualcam.reals import Array
-from dualcam.study.mistakes import Findings, StudyError
-from dualcam.study.scenario.formula import Formula, formula
+from dualcam.scenario.formula import Formula, formula
 from dualcam.study.store.encoding import Column
 
 SERIES, FORMULA, VALUE = "series", "formula", "value"

@@ -16,9 +16,9 @@ from collections.abc import Mapping, Sequence
 from numpy.typing import ArrayLike
 
 from dualcam.arrays import real_array
-from dualcam.study.mistakes import StudyError
+from dualcam.common.mistakes import StudyError
+from dualcam.scenario.formula import formula
 from dualcam.study.plan.texts import Texts
-from dualcam.study.scenario.formula import formula
 
 
 def values_of(names: Sequence[str], row: ArrayLike, texts: Mapping[str, Texts]) -> dict[str, float | str]:

@@ -29,12 +29,12 @@ from dualcam.handle import FmuState
 from dualcam.instance import OK_OR_WARNING, References
 from dualcam.model_description import Scalar
 from dualcam.reals import Array
+from dualcam.scenario.scenario import Controller, Scenario
 from dualcam.study.plan.constraints import violations
 from dualcam.study.plan.texts import Texts
 from dualcam.study.run.batch import Batch, Window, copy, loop_in_c
 from dualcam.study.run.row_values import values_of, violated_by
 from dualcam.study.run.step_numbers import FIRST, Arrangement, Key, StepNumbers
-from dualcam.study.scenario.scenario import Controller, Scenario
 
 FATAL = 4  # FMI's status from which an instance cannot be used any more
 IN_C_FROM = 3  # runs of one layout: to lay the calls out for C takes as long as some runs from Python

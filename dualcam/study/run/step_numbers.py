@@ -14,14 +14,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from dualcam.common.mistakes import StudyError
 from dualcam.reals import Array
-from dualcam.study.mistakes import StudyError
+from dualcam.scenario.formula import formula
+from dualcam.scenario.history import History, Number, names_in, numbers_in
+from dualcam.scenario.scenario import Scenario, Step, instants
 from dualcam.study.plan.texts import Texts
 from dualcam.study.run.row_values import values_of
 from dualcam.study.run.step_times import AT_ONE_INSTANT, FIRST, has_points, steps_of_rows
-from dualcam.study.scenario.formula import formula
-from dualcam.study.scenario.history import History, Number, names_in, numbers_in
-from dualcam.study.scenario.scenario import Scenario, Step, instants
 
 Key = tuple[Any, ...]
 

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dualcam.reals import Array
-from dualcam.study.scenario.history import ORDER, History, Number
-from dualcam.study.scenario.scenario import SAME_TIME, Scenario, Step, instants, source_of
+from dualcam.scenario.history import ORDER, History, Number
+from dualcam.scenario.scenario import SAME_TIME, Scenario, Step, instants, source_of
 
 Evaluate = Callable[[Number], Array]  # a number or a formula as an array, shape (runs,)
 AT_ONE_INSTANT = 1e-9  # share of a step by which a reading may miss the end of the step

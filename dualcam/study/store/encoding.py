@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dualcam.study.mistakes import StudyError
+from dualcam.common.mistakes import StudyError
 
 FORMATS = ("parquet", "csv")
 METADATA = b"dualcam"  # key in the metadata of a Parquet schema

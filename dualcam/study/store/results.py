@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from dualcam.study.mistakes import StudyError
+from dualcam.common.mistakes import StudyError
 from dualcam.study.run.chunk import RUNS, checksum, name_of
 from dualcam.study.store.encoding import Column, columns_of_csv, columns_of_parquet, encoded
 from dualcam.study.store.storage import Storage, storage_at

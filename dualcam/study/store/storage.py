@@ -16,7 +16,7 @@ from typing import Any
 
 from filelock import FileLock, Timeout
 
-from dualcam.study.mistakes import StudyError
+from dualcam.common.mistakes import StudyError
 
 UNFINISHED = ".unfinished"
 Listed = tuple[int, int | None]  # size of a file [bytes], and when its content changed [ns]; None: not known

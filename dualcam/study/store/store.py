@@ -25,7 +25,7 @@ from typing import Any
 
 from filelock import FileLock
 
-from dualcam.study.mistakes import StudyError
+from dualcam.common.mistakes import StudyError
 from dualcam.study.plan.plan import Plan
 from dualcam.study.run.chunk import RUNS, Files, Written, checksum, name_of
 from dualcam.study.run.results_wanted import Readings

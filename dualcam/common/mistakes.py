@@ -37,7 +37,7 @@ class Findings:
 
     Examples
     --------
-    >>> from dualcam.study.mistakes import Findings
+    >>> from dualcam.common.mistakes import Findings
     >>> findings = Findings()
     >>> findings.attempt(float, "0.5"), findings.problems
     (0.5, [])

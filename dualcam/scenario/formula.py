@@ -16,8 +16,8 @@ from typing import Any
 
 import numpy as np
 
+from dualcam.common.mistakes import StudyError
 from dualcam.reals import Array
-from dualcam.study.mistakes import StudyError
 
 LONGEST = 1000  # characters; a longer text is no formula of a person
 DEEPEST = 60  # levels of brackets
@@ -87,7 +87,7 @@ class Formula:
 
     Examples
     --------
-    >>> from dualcam.study.scenario.formula import Formula
+    >>> from dualcam.scenario.formula import Formula
     >>> stiffness = Formula("'79 GPa' * wire^4 / (8 * coil^3 * turns)")
     >>> stiffness.names
     ('wire', 'coil', 'turns')

@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from dualcam.study.entries import hint
-from dualcam.study.mistakes import StudyError, refuse
-from dualcam.study.scenario.history import (
+from dualcam.common.entries import hint
+from dualcam.common.mistakes import StudyError, refuse
+from dualcam.scenario.history import (
     ORDER,
     STEPS_MAX,
     History,

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from dualcam.arrays import Array, real_array
-from dualcam.study.mistakes import StudyError
-from dualcam.study.scenario.formula import formula, is_formula
+from dualcam.common.mistakes import StudyError
+from dualcam.scenario.formula import formula, is_formula
 
 ORDER = 3  # of the input derivatives that FMI 2.0 masters send
 STEPS_MAX = 1_000_000  # of one run: its calls are laid out in memory, which takes some hundred bytes for each
