@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from typing import Any
 
@@ -12,10 +12,11 @@ LISTED = 12  # names in a message
 
 @dataclass(frozen=True)
 class Kind:
-    """What a value must be, in words, and whether one is that."""
+    """What a value must be, in words and as JSON Schema, and whether one is that."""
 
     words: str
     suits: Callable[[Any], bool]
+    json: Mapping[str, Any] = field(default_factory=dict)
 
     def listed(self) -> Kind:
         """A list of one or more of these."""
@@ -26,6 +27,7 @@ class Kind:
         return Kind(
             f"a list of {each}",
             lambda value: isinstance(value, list | tuple) and len(value) > 0 and all(map(self.suits, value)),
+            {"type": "array", "items": self.json, "minItems": 1},
         )
 
 
@@ -42,30 +44,39 @@ def hint(name: str, known: Iterable[str]) -> str:
     return f": allowed are {', '.join(allowed[:LISTED])}{more}"
 
 
-NUMBER = Kind("a number", lambda value: isinstance(value, int | float) and not isinstance(value, bool))
-WHOLE = Kind("a whole number", is_whole)
-SWITCH = Kind("true or false", lambda value: isinstance(value, bool))
+_NUMBER_OR_TEXT = {"type": ["number", "string"]}
+_BY_NAME = {"type": "object", "additionalProperties": _NUMBER_OR_TEXT}
+NUMBER = Kind(
+    "a number",
+    lambda value: isinstance(value, int | float) and not isinstance(value, bool),
+    {"type": "number"},
+)
+WHOLE = Kind("a whole number", is_whole, {"type": "integer"})
+SWITCH = Kind("true or false", lambda value: isinstance(value, bool), {"type": "boolean"})
 # Texts with a unit are read once the variable is known.
 QUANTITY = Kind(
     'a number, or text with a unit such as "40 deg"',
     lambda value: isinstance(value, str) or NUMBER.suits(value),
+    _NUMBER_OR_TEXT,
 )
-VALUES = Kind(  # true and false are those of a Boolean variable
-    'a list of numbers, or of texts with a unit such as "40 deg", at least one',
-    Kind("", lambda value: isinstance(value, int | float | str)).listed().suits,
+_VALUE = Kind(
+    "", lambda value: isinstance(value, int | float | str), {"type": ["number", "string", "boolean"]}
 )
-SCENARIO_NUMBER = Kind(  # which of the three a text is, is known once the names that vary are
-    'a number, a text with a unit such as "10 ms", or a formula such as "2 * peak"',
-    QUANTITY.suits,
+VALUES = replace(  # true and false are those of a Boolean variable
+    _VALUE.listed(), words='a list of numbers, or of texts with a unit such as "40 deg", at least one'
 )
-TEXT = Kind("a text", lambda value: isinstance(value, str))
-TABLE = Kind("a table", lambda value: isinstance(value, Mapping))
+SCENARIO_NUMBER = replace(  # which of the three a text is, is known once the names that vary are
+    QUANTITY, words='a number, a text with a unit such as "10 ms", or a formula such as "2 * peak"'
+)
+TEXT = Kind("a text", lambda value: isinstance(value, str), {"type": "string"})
+TABLE = Kind("a table", lambda value: isinstance(value, Mapping), {"type": "object"})
 NUMBERS_BY_NAME = Kind(
     "a table of formulas or numbers, by name",
     lambda value: isinstance(value, Mapping) and all(map(QUANTITY.suits, value.values())),
+    _BY_NAME,
 )
-QUANTITIES_BY_NAME = Kind(
-    'a table of numbers, or of texts with a unit such as "2 mm", by name', NUMBERS_BY_NAME.suits
+QUANTITIES_BY_NAME = replace(
+    NUMBERS_BY_NAME, words='a table of numbers, or of texts with a unit such as "2 mm", by name'
 )
 
 

@@ -4,7 +4,7 @@ The reference page docs/study-plan.md and plan.schema.json, for editors, are wri
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Mapping
 from functools import cache, partial
 from types import GenericAlias
 from typing import Annotated, Any
@@ -30,24 +30,6 @@ from dualcam.study.plan.arrangements import KINDS
 from dualcam.study.plan.check import ON_VIOLATION
 
 PLOTS = ("map", "sobol", "pareto", "parallel")
-_NUMBER = {"type": "number"}
-_NUMBER_OR_TEXT = {"type": ["number", "string"]}
-_TEXTS = {"type": "array", "items": {"type": "string"}, "minItems": 1}
-JSON: dict[str, dict[str, Any]] = {  # JSON Schema of each kind, by its words
-    NUMBER.words: _NUMBER,
-    WHOLE.words: {"type": "integer"},
-    SWITCH.words: {"type": "boolean"},
-    TEXT.words: {"type": "string"},
-    TABLE.words: {"type": "object"},
-    QUANTITY.words: _NUMBER_OR_TEXT,
-    SCENARIO_NUMBER.words: _NUMBER_OR_TEXT,
-    VALUES.words: {"type": "array", "items": {"type": ["number", "string", "boolean"]}, "minItems": 1},
-    TEXT.listed().words: _TEXTS,
-    NUMBER.listed().words: {"type": "array", "items": _NUMBER, "minItems": 1},
-    SCENARIO_NUMBER.listed().words: {"type": "array", "items": _NUMBER_OR_TEXT, "minItems": 1},
-    NUMBERS_BY_NAME.words: {"type": "object", "additionalProperties": _NUMBER_OR_TEXT},
-    QUANTITIES_BY_NAME.words: {"type": "object", "additionalProperties": _NUMBER_OR_TEXT},
-}
 
 
 class FileTable(BaseModel):
@@ -64,7 +46,7 @@ def _entry(kind: Kind, description: str, *, needed: bool = False, enum: tuple[st
             raise PydanticCustomError("kind", "{words}", {"words": kind.words})
         return value
 
-    schema = JSON[kind.words] | ({"enum": list(enum)} if enum else {})
+    schema = {**kind.json, **({"enum": list(enum)} if enum else {})}
     annotated = Annotated[Any, BeforeValidator(checked), WithJsonSchema(schema)]
     return annotated, _field(description, kind.words, needed)
 
@@ -315,50 +297,42 @@ KEYS: dict[str, Callable[..., Any]] = {  # of a whole file
 }
 
 
-def _file(name: str, description: str, needed: Collection[str], optional: Collection[str]) -> Any:  # noqa: ANN401
-    fields = {key: make(needed=key in needed) for key, make in KEYS.items() if key in (*needed, *optional)}
-    return _table(name, description, fields)
+FILES: dict[str, tuple[str, tuple[str, ...], tuple[str, ...]]] = {  # what it is; keys needed, and others
+    "StudyPlan": (
+        "A parameter study of an FMU",
+        ("fmu", "results", "plan", "scenario"),
+        ("parameters", "plots"),
+    ),
+    "StudySection": ("A parameter study of a design", ("results", "plan"), ("scenario", "plots")),
+    "Search": (
+        "An optimisation of an FMU",
+        ("fmu", "plan", "scenario", "optimise"),
+        ("results", "parameters", "plots"),
+    ),
+    "SearchSection": (
+        "An optimisation of a design",
+        ("plan", "optimise"),
+        ("results", "scenario", "plots"),
+    ),
+    "Plan": (  # every key that a plan may have
+        "A parameter study or an optimisation of an FMU",
+        ("fmu", "plan", "scenario"),
+        ("results", "parameters", "plots", "optimise"),
+    ),
+}
 
 
 @cache
-def plan_model() -> Any:  # noqa: ANN401
-    """The pydantic model of the plan of a study."""
-    needed = ("fmu", "results", "plan", "scenario")
-    return _file("StudyPlan", "A parameter study of an FMU", needed, ("parameters", "plots"))
-
-
-@cache
-def section_model() -> Any:  # noqa: ANN401
-    """The pydantic model of the section [study] of a design file."""
-    needed = ("results", "plan")
-    return _file("StudySection", "A parameter study of a design", needed, ("scenario", "plots"))
-
-
-@cache
-def search_model() -> Any:  # noqa: ANN401
-    """The pydantic model of the plan of an optimisation."""
-    needed = ("fmu", "plan", "scenario", "optimise")
-    return _file("Search", "An optimisation of an FMU", needed, ("results", "parameters", "plots"))
-
-
-@cache
-def search_section_model() -> Any:  # noqa: ANN401
-    """The pydantic model of the section [study] of a design file that is optimised."""
-    needed = ("plan", "optimise")
-    return _file("SearchSection", "An optimisation of a design", needed, ("results", "scenario", "plots"))
-
-
-@cache
-def whole_model() -> Any:  # noqa: ANN401
-    """The pydantic model of a plan of a study or of an optimisation: every key that a plan may have."""
-    needed = ("fmu", "plan", "scenario")
-    others = [key for key in KEYS if key not in needed]
-    return _file("Plan", "A parameter study or an optimisation of an FMU", needed, others)
+def model_of(name: str) -> Any:  # noqa: ANN401
+    """The pydantic model of a whole file, or of the section [study] of a design file: a key of FILES."""
+    description, needed, others = FILES[name]
+    keys = [key for key in KEYS if key in (*needed, *others)]
+    return _table(name, description, {key: KEYS[key](needed=key in needed) for key in keys})
 
 
 def json_schema() -> dict[str, Any]:
     """JSON Schema of plans, for editors."""
-    schema = whole_model().model_json_schema()
+    schema = model_of("Plan").model_json_schema()
     return {"$schema": "https://json-schema.org/draft/2020-12/schema"} | _plain(schema)
 
 

@@ -17,7 +17,7 @@ from dualcam.study.file.context import Context
 from dualcam.study.file.plan_table import plan_of
 from dualcam.study.file.quantities import STRING, in_unit
 from dualcam.study.file.scenario_table import scenario_of
-from dualcam.study.file.schema import plan_model, section_model
+from dualcam.study.file.schema import model_of
 from dualcam.study.file.schema_check import check_schema
 from dualcam.study.plot_keys import problems_of_columns
 from dualcam.study.run.fmu_check import problems_with_fmu
@@ -54,8 +54,8 @@ def read_study(path: str | Path) -> Study:
     Raises
     ------
     StudyError
-        The file describes no study: all mistakes at once, also names that the FMU does not have and ranges
-        that the FMU does not allow.
+        The file describes no study: all mistakes of a stage at once, of the schema, or else of values,
+        or else names that the FMU does not have and ranges that it does not allow.
     DesignFileError
         The file is a design file with errors.
 
@@ -87,7 +87,7 @@ def read_study(path: str | Path) -> Study:
     if _is_design(content):
         raise StudyError(f"{path}: {NO_STUDY}")
     with told_of(path):
-        check_schema(plan_model(), content, "the file")
+        check_schema(model_of("StudyPlan"), content, "the file")
         context = Context.of(path.parent, content["fmu"])
         return _study(context, content, None, content.get("parameters", {}))
 
@@ -160,7 +160,7 @@ def _study_of_design(path: Path) -> Study:
 
 def _study_of_section(design: DesignFile) -> Study:
     table = design.study or {}
-    check_schema(section_model(), table, "study")
+    check_schema(model_of("StudySection"), table, "study")
     varied = {*table["plan"].get("vary", {}), *table["plan"].get("derived", {})}
     fixed = {name: value for name, value in design.parameters_for().items() if name not in varied}
     return _study(Context.of(design.path.parent, design.model), table, design.scenario, fixed)

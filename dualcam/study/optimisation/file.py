@@ -19,7 +19,7 @@ from dualcam.study.file.context import Context
 from dualcam.study.file.plan_table import plan_of
 from dualcam.study.file.quantities import number, unit_in
 from dualcam.study.file.scenario_table import scenario_of
-from dualcam.study.file.schema import search_model, search_section_model
+from dualcam.study.file.schema import model_of
 from dualcam.study.file.schema_check import check_schema
 from dualcam.study.file.study_file import NO_SCENARIO, content_of, may_lack_scenario, parameters_of
 from dualcam.study.file.values import STAND_IN
@@ -70,7 +70,7 @@ def read_optimisation(path: str | Path) -> Optimisation:
     Raises
     ------
     StudyError
-        The file describes no optimisation; all mistakes at once.
+        The file describes no optimisation; all mistakes of a stage at once.
     DesignFileError
         The file is a design file with errors.
 
@@ -95,7 +95,7 @@ def read_optimisation(path: str | Path) -> Optimisation:
 
 def _of_plan(path: Path, content: Mapping[str, Any]) -> Optimisation:
     with told_of(path):
-        check_schema(search_model(), content, "the file")
+        check_schema(model_of("Search"), content, "the file")
         context = Context.of(path.parent, content["fmu"])
         return _task(context, content, None, content.get("parameters", {}))
 
@@ -116,7 +116,7 @@ def check_search_section(design: DesignFile) -> None:
 
 def _task_of_section(design: DesignFile) -> Optimisation:
     table = design.study or {}
-    check_schema(search_section_model(), table, "study")
+    check_schema(model_of("SearchSection"), table, "study")
     context = Context.of(design.path.parent, design.model)
     return _task(context, table, design.scenario, design.parameters_for(), sections_of(design))
 
