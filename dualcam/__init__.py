@@ -186,7 +186,7 @@ _MODULE_OF = {
     "PlantCoupling": "coupling",
     "Reals": "reals",
     "RepeatedStart": "fmu",
-    "StudyError": "study.problem",
+    "StudyError": "common.mistakes",
     "TaskError": "errors",
     "Trajectory": "simulation",
     "UnitWarning": "errors",
