@@ -127,7 +127,7 @@ def test_random_numbers_travel_while_they_are_few(tmp_path, monkeypatch):
         one = study()
         one.plan.rows(0, 1)
         files = pickle.loads(pickle.dumps(Files(None, "csv", one.plan, one.readings, {}, "mark")))
-        assert ("_shares" in vars(files.plan._sampler)) == is_there
+        assert ("_shares" in vars(files.plan.sampler)) == is_there
         assert np.array_equal(files.plan.rows(0, 64), one.plan.rows(0, 64))
 
 
