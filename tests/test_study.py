@@ -40,10 +40,10 @@ import dualcam
 from dualcam import Fmu
 from dualcam.__main__ import main
 from dualcam.study import History, Plan, Scenario, Vary, plots, read_results, read_study
-from dualcam.study.execution import AHEAD, DIED, InThisProcess
-from dualcam.study.first_runs import takes_less_than
-from dualcam.study.runner import Runner
-from dualcam.study.store import RECORD
+from dualcam.study.run.first_runs import takes_less_than
+from dualcam.study.run.runner import Runner
+from dualcam.study.run.workers import AHEAD, DIED, InThisProcess
+from dualcam.study.store.store import RECORD
 from dualcam.study.study import _progress
 
 NULL = ROOT / "build/NullFmu.fmu"
@@ -507,7 +507,7 @@ def test_a_run_that_kills_its_worker_is_a_failed_row(tmp_path):
 
 def test_a_cluster_that_goes_away_is_told_and_nothing_is_lost(tmp_path, monkeypatch):
     distributed = pytest.importorskip("distributed", reason="dask.distributed is not installed")
-    monkeypatch.setattr("dualcam.study.cluster.UNREACHABLE_AFTER", "2s")
+    monkeypatch.setattr("dualcam.study.run.cluster.UNREACHABLE_AFTER", "2s")
     one = study(Plan("latin", DESIGN, runs=60), closed(slow, 0.1, 0.02), ["theta"])
     with (
         distributed.LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None) as cluster,
@@ -526,7 +526,7 @@ def test_a_cluster_that_goes_away_is_told_and_nothing_is_lost(tmp_path, monkeypa
 
 def test_a_scheduler_that_does_not_answer_is_told(tmp_path, monkeypatch):
     pytest.importorskip("distributed", reason="dask.distributed is not installed")
-    monkeypatch.setattr("dualcam.study.cluster.UNREACHABLE_AFTER", "1s")
+    monkeypatch.setattr("dualcam.study.run.cluster.UNREACHABLE_AFTER", "1s")
     with refused("no Dask scheduler", "127.0.0.1:9"):
         study().run(tmp_path, scheduler="tcp://127.0.0.1:9")
     assert not list(tmp_path.glob("runs/*"))

@@ -6,17 +6,17 @@ import warnings
 
 import numpy as np
 import pytest
+from resolved_run import resolve
 from study_cases import FORWARD, INVERSE, refused, runs_of, study
 
 from dualcam import Fmu
 from dualcam.__main__ import main
 from dualcam.errors import DualcamWarning
 from dualcam.study import Controller, History, Plan, Scenario, Vary, read_results, read_study
-from dualcam.study.first_runs import check
-from dualcam.study.resolved import resolve
-from dualcam.study.runner import Runner
-from dualcam.study.sampling.profiles import RandomProfiles
-from dualcam.study.sampling.texts import GivenTexts
+from dualcam.study.plan.profiles import RandomProfiles
+from dualcam.study.plan.texts import GivenTexts
+from dualcam.study.run.first_runs import check
+from dualcam.study.run.runner import Runner
 
 PEAK, END = Vary(4.0, 9.0), Vary(0.05, 0.3)
 FRICTION = Vary(0.08, 0.2)

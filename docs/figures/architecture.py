@@ -50,7 +50,7 @@ PYTHON_ROOMS: dict[str, tuple[Place, str, str]] = {
     "fleet": ((1.7, 2.4, 1.9, 1), MOTION, "many instances,\nin C"),
     "coupling": ((3.8, 2.4, 1.5, 1), MOTION, "own plants"),
     "design": ((5.5, 2.4, 2.2, 1), LAWS, "statics, grooves,\nstrength, wear"),
-    "scenario": ((7.9, 2.4, 2, 1), LAWS, "inputs over time\n(in study)"),
+    "scenario": ((7.9, 2.4, 2, 1), LAWS, "inputs over time"),
     "gradient": ((1.3, 3.8, 1.3, 1), MOTION, "JAX, PyTorch"),
     "systems.blocks": ((2.8, 3.8, 3.4, 1), MOTION, "motor, loads, motions,\ncontrollers"),
     "design_file": ((6.4, 3.8, 3.5, 1), LAWS, "TOML to a design and back,\nall findings at once"),
@@ -87,7 +87,7 @@ def includes() -> set[tuple[str, str]]:
 
 def imports() -> set[tuple[str, str]]:
     """Pairs of rooms of dualcam but for cli: the first one may import the second one."""
-    found = {("scenario", "fmi")}
+    found = set()
     for path in sorted((ROOT / "dualcam").rglob("__init__.py")):
         name = ".".join(path.parent.relative_to(ROOT / "dualcam").parts)
         text = ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))) or ""

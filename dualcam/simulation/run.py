@@ -22,7 +22,7 @@ from dualcam.fmi.variables import inputs_of
 
 if TYPE_CHECKING:
     from dualcam.design_file import DesignFile, DesignSource
-    from dualcam.study.scenario import Scenario, Step
+    from dualcam.scenario.scenario import Scenario, Step
 
 Array = NDArray[np.float64]
 
