@@ -21,7 +21,6 @@ PAGES = (
     "docs/use-studies.md",
     "docs/use-optimise.md",
     "docs/use-study-results.md",
-    "docs/use-study-clusters.md",
 )
 PLANS = {
     f"{page} {block.file}": tomllib.loads(block.code)

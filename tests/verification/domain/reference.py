@@ -15,6 +15,7 @@ from scipy.optimize import brentq
 from .flow import Slide, first_crossing, value
 from .mechanics import PAIRS, ROUNDING, Mechanism, Motion, Pair, Place, Unresolved
 
+NEVER = -1e300
 STICK, LOADING, RELEASING, LOWER_STOP, UPPER_STOP, WEDGED = range(1, 7)
 MOST_EVENTS = 2000
 SAMPLES = 16  # cells in which a stick's end is looked for
@@ -180,8 +181,12 @@ class Simulation:
             moved = self.omega != 0
             self.slide, self.omega = None, 0.0
             self._set_mode(WEDGED)
-            if moved:  # the rule begins anew, from rest
-                self._rest_or_leave(t)
+            if moved:  # the rule begins anew, from rest; where F_0 turns, its coming sign counts
+                side, mode = self._side_at_rest(t + 1e-9 * self.duration)
+                if side == 0:
+                    self._set_mode(mode)
+                else:
+                    self._leave(t, side)
             return
         self.slide = Slide(self.mechanism, sigma, e, self.tau, self.f_ext)
         self._set_mode(self._moving_mode(sigma))
@@ -269,10 +274,10 @@ class Simulation:
         return 0, WEDGED if wedged else STICK
 
     def _into_lock(self, k: Place, t: float) -> float:
-        """The torque beyond the frictionless one toward an infinite edge of the band; -inf: no edge is."""
+        """The torque beyond the frictionless one toward an infinite edge of the band; NEVER: no edge is."""
         load, release = self._gaps(k, t)
         towards = value(self.tau, t) - k.dz * (self.mechanism.spring_force(k.z) + value(self.f_ext, t))
-        return max(towards if load == math.inf else -math.inf, -towards if release == math.inf else -math.inf)
+        return max(towards if load == math.inf else NEVER, -towards if release == math.inf else NEVER)
 
     def _rest_or_leave(self, t: float) -> None:
         sigma, mode = self._side_at_rest(t)
