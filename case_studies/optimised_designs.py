@@ -35,7 +35,7 @@ from rich.console import Console
 from dualcam import Fmu
 from dualcam.errors import DualcamError
 from dualcam.study import Deviation, Optimisation, Optimum, Vary, optimise
-from dualcam.study.optimisation.evaluation import Evaluator
+from dualcam.study.optimisation.evaluation import DesignEvaluator
 from dualcam.systems.blocks.axis import CamAxis, simulate_closed_loop
 from dualcam.systems.blocks.current_loop import CurrentLoop
 from dualcam.systems.blocks.motor import AK80_6
@@ -181,7 +181,7 @@ def tasks(scale: float) -> dict[str, Optimisation]:
 
 def percentile_of(task: Optimisation, design: Design) -> dict[str, float]:
     """Objectives of a design, with the parts of the task."""
-    evaluator = Evaluator(replace(task, start=dict(design)))
+    evaluator = DesignEvaluator(replace(task, start=dict(design)))
     batch = evaluator.evaluate(evaluator.start()[None, :])
     evaluator.close()
     return dict(zip(task.objectives, batch.objectives[0].tolist(), strict=True))

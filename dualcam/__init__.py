@@ -49,6 +49,7 @@ if TYPE_CHECKING:
         view,
     )
     from dualcam.checking import Verdict, check_design
+    from dualcam.common.mistakes import StudyError
     from dualcam.control.bridge import to_nonlinear_io_system
     from dualcam.control.harmonic_balance import LimitCycle
     from dualcam.control.hysteresis import CamHysteresis
@@ -86,7 +87,6 @@ if TYPE_CHECKING:
     from dualcam.report import write_report
     from dualcam.simulation import Trajectory, simulate
     from dualcam.ssp import export_ssp
-    from dualcam.study.problem import StudyError
     from dualcam.view import write_view
 
     __version__: str
@@ -188,7 +188,7 @@ _MODULE_OF = {
     "PlantCoupling": "coupling",
     "Reals": "fmi.reals",
     "RepeatedStart": "fmi.fmu",
-    "StudyError": "study.problem",
+    "StudyError": "common.mistakes",
     "TaskError": "errors",
     "Trajectory": "simulation",
     "UnitWarning": "errors",

@@ -71,7 +71,7 @@ def test_the_hand_written_fmu_is_of_first_order(scene):
 
 @pytest.mark.parametrize("package, line", [("pythonfmu", "PythonFMU"), ("sksundae", "scikit-sundae")])
 def test_optional_peers_agree_with_the_reference(package, line):
-    pytest.importorskip(package)
+    pytest.importorskip(package, reason="pip install -e .[bench]")
     if package == "pythonfmu":
         build_python_fmu()
         _, found = python_fmu(STRAIGHT, "DOP853", 1e-11).run()

@@ -158,10 +158,6 @@ def test_hints(design):
     assert "this looks like degrees; 75 deg is 1.309 rad" in texts(degrees)
 
 
-def finding_of(verdict, kind):
-    return next(finding for finding in verdict.findings if finding.kind == kind)
-
-
 @pytest.mark.parametrize(
     "text",
     [

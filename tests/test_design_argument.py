@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 import dualcam
-from dualcam import DesignError, DesignFileError, DualcamError, DualcamWarning
+from dualcam import DesignError, DesignFileError, DualcamError, DualcamWarning, Fmu
 from dualcam.cli.main import COMMANDS
 from dualcam.design_file import as_design, read_design, write_template
+from dualcam.study import History, Scenario
 
 
 @pytest.fixture
@@ -137,3 +138,41 @@ def test_a_module_with_the_name_of_a_command_says_what_to_call(name):
 
 def test_no_module_has_the_name_of_a_check():
     assert not hasattr(dualcam, "check") and dualcam.checking.check_design is dualcam.check_design
+
+
+# ---- scenarios with FMUs ----
+
+PUSH = Scenario(0.2, {"tau": History([0.0, 0.1, 0.2], [0.0, 8.0, 2.0])})
+
+
+def test_an_fmu_runs_a_scenario_as_a_design_does(path):
+    """By name, by path and by a handle, which begins again and stays open; bit for bit."""
+    design = read_design(path)
+    wanted = dualcam.simulate(design, ["tau", "theta"], scenario=PUSH, output_interval=0.05)
+    assert wanted["time"].tolist() == [0.0, 0.05, 0.1, 0.15000000000000002, 0.2]
+    given = {"scenario": PUSH, "parameters": design.parameters_for("forward"), "output_interval": 0.05}
+    with Fmu(dualcam.fmu_path("forward")) as handle:
+        handle.start()
+        handle.step(0.1)
+        for source in ("forward", dualcam.fmu_path("forward"), handle, handle):
+            assert np.array_equal(dualcam.simulate(source, ["tau", "theta"], **given).values, wanted.values)
+        assert handle.get("tau") == 2.0
+    run = dualcam.simulate("forward", scenario=PUSH)
+    assert run.names == ("time", "tau", "F_ext", "theta", "omega", "z", "v") and len(run.values) == 1001
+
+
+def test_a_scenario_chooses_the_model(path):
+    """Of a design whose own scenario is one of the forward model."""
+    turned = {"theta": History([0.0, 0.2], [0.1, 0.5]), "omega": History(derivative_of="theta")}
+    scenario = Scenario(0.2, {**turned, "alpha": History(derivative_of="omega")})
+    run = dualcam.simulate(path, ["theta", "tau"], scenario=scenario)
+    assert run["theta"][-1] == 0.5 and run["tau"].min() > 0.0
+
+
+def test_scenarios_that_do_not_suit_an_fmu_are_refused(path):
+    with pytest.raises(DesignError, match="forward: an FMU has no scenario: give one, such as scenario="):
+        dualcam.simulate("forward")
+    with pytest.raises(DesignError, match="has no input theta, which the scenario gives: the inputs of this"):
+        dualcam.simulate("forward", scenario=Scenario(0.2, {"theta": History([0.0], [0.1])}))
+    with pytest.raises(DesignError, match=r"fmu = 'my\.fmu' beside the FMU forward: fmu is the"):
+        dualcam.simulate("forward", scenario=PUSH, fmu="my.fmu")

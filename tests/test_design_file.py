@@ -3,20 +3,16 @@
 import json
 import math
 import os
-import re
 import runpy
 import subprocess
 import sys
 from pathlib import Path
 
-import numpy as np
 import pytest
 from driver import ROOT, models
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dualcam import Fmu
-from dualcam.checking import check_design
 from dualcam.common.written_units import quantity
 from dualcam.design import Helix, Mechanism
 from dualcam.design_file import (
@@ -27,7 +23,6 @@ from dualcam.design_file import (
     write_template,
 )
 from dualcam.errors import DesignError, DualcamError
-from dualcam.fmi.library import fmu_path
 from dualcam.fmi.variables import all_parameters, inputs_of, parameters_of
 from dualcam.systems.machines import car_door, elbow, knee
 
@@ -489,22 +484,6 @@ def test_cams_of_templates_nest(tmp_path, name):
     design = read_design(write_template(name, tmp_path / "my.toml"))
     inner, outer = (design.value(f"cam{i}.radius") for i in (1, 2))
     assert inner + 0.5 * design.pin.width <= outer - 0.5 * design.pin.width
-
-
-def test_example_of_the_page(read):
-    """The example of docs/design-file.md is a good design, and the FMU runs its scenario."""
-    page = (ROOT / "docs" / "design-file.md").read_text(encoding="utf-8")
-    example = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)[0]
-    design = read(example)
-    assert check_design(design).good and check_design(design).findings == ()
-    with Fmu(fmu_path("forward")) as fmu:
-        tau = fmu.reals("tau")
-        fmu.start(design.parameters)
-        for k in range(100):
-            tau.values[0] = np.interp(0.01 * k, design.scenario.inputs["tau"].time, (0.0, 8.0, 0.0))
-            tau.write()
-            fmu.step(0.01)
-        assert fmu.real("peak.torque") > 7.9 and fmu.real("theta") < 0.2
 
 
 # ---- schema ----

@@ -27,8 +27,8 @@ from dualcam.errors import DualcamError, DualcamWarning, FmuError
 from dualcam.export import ExportError, export_fmu, model_identifier
 from dualcam.fmi.library import fmu_path
 from dualcam.fmi.variables import inputs_of
+from dualcam.scenario.scenario import History, Scenario
 from dualcam.simulation.run import simulate
-from dualcam.study.scenario import History, Scenario
 
 DESIGNS = ("helix", "ellipse", "table")
 each = pytest.mark.parametrize

@@ -177,7 +177,7 @@ def test_jax_in_32_bits_is_refused(jax, fleet):
 
 
 def test_torch_has_the_same_gradient(fleet):
-    torch = pytest.importorskip("torch")
+    torch = pytest.importorskip("torch", reason="pip install torch")
     given = [torch.tensor(argument, requires_grad=True) for argument in arguments()]
     weight = torch.tensor(np.cos(0.01 * np.arange(STEPS))[:, None] * [1.0, 0.02])
     value = (weight * torch_rollout(fleet)(*given) ** 2).sum()

@@ -12,7 +12,6 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
-import dualcam.gym
 from dualcam import Fmu
 from dualcam.errors import DualcamError, FleetError, FmuError, TaskError
 from dualcam.gym import Batch, CarDoorTask, ElbowTask, KneeTask
@@ -398,7 +397,3 @@ def test_a_failed_instance_ends_all_episodes(monkeypatch):
             batch.step(np.zeros(2))
         batch.reset(numbers(2, batch.task))
         batch.step(np.zeros(2))
-
-
-def test_all_names_are_public():
-    assert set(dualcam.gym.__all__) <= set(dir(dualcam.gym))

@@ -1,7 +1,6 @@
 """docs/mechanism.md: its equations, its numbers and its pictures. Links: tests/test_pages.py.
 
-The equations are written here as the page writes them. They are compared with forces and moments as vectors,
-with differences, with SciPy's integrator, and with the FMUs."""
+The equations are written here as the page writes them. tests/general_mechanism compares those of motion."""
 
 import math
 import re
@@ -26,9 +25,6 @@ def numbers_after(words):
     """The decimal numbers in the sentence that begins with these words."""
     sentence = re.search(re.escape(words) + r"(.*?)(?:\.\s|$)", PAGE, re.DOTALL)[1]
     return [float(found) for found in NUMBER.findall(sentence)]
-
-
-# ---- sections ----
 
 
 # ---- section 2 ----
@@ -107,9 +103,6 @@ def test_loop_of_the_picture():
             fmu.step(1e-3)
         assert fmu.real("theta") == pytest.approx(0.35, abs=1e-9)
         assert fmu.real("energy.heat_cam1") + fmu.real("energy.heat_cam2") == pytest.approx(area, abs=5e-4)
-
-
-# ---- sections 4 to 7 ----
 
 
 # ---- section 8 ----

@@ -20,6 +20,7 @@ from dualcam.__main__ import main
 from dualcam.checking import check_design
 from dualcam.design_file import read_design
 from dualcam.errors import DualcamError
+from dualcam.scenario.formula import formula
 from dualcam.study import (
     Deviation,
     FmuRuns,
@@ -30,12 +31,12 @@ from dualcam.study import (
     optimise,
     read_optimisation,
 )
-from dualcam.study.optimisation.evaluation import Evaluator, percentile
+from dualcam.study.file import schema
+from dualcam.study.optimisation.evaluation import DesignEvaluator, percentile
 from dualcam.study.optimisation.genetic import hypervolume
 from dualcam.study.optimisation.optimum import unbeaten
 from dualcam.study.optimisation.record import BATCHES, Record
 from dualcam.study.optimisation.run import facts
-from dualcam.study.sampling.formula import formula
 from dualcam.systems.machines import elbow, knee
 
 REST = Scenario(1e-3)
@@ -202,7 +203,7 @@ def test_percentile_of_parts_is_that_of_plain_monte_carlo():
         percentile=90.0,
         samples=4000,
     )
-    evaluator = Evaluator(one)
+    evaluator = DesignEvaluator(one)
     batch = evaluator.evaluate(np.array([[0.5, 0.4]]))
     evaluator.close()
     random = np.random.default_rng(8)
@@ -234,7 +235,7 @@ def test_deviations_are_those_of_the_distribution_and_common_to_all_designs():
     one = task(
         {"efficiency": "maximise"}, tolerances={"cam1.lead_angle": Deviation(0.02, "uniform")}, same_as={}
     )
-    evaluator = Evaluator(one)
+    evaluator = DesignEvaluator(one)
     made = evaluator.made(np.array([[0.5, 0.6], [0.8, 0.9]]))
     evaluator.close()
     moved = made[:, 1:, 0] - made[:, :1, 0]
@@ -568,7 +569,7 @@ samples = 16
     assert one.method_used == "nsga2"
     assert one.tolerances["cam1.lead_angle"].plus_minus == pytest.approx(math.radians(1.0))
     assert one.constraints == {"torque_load": (None, 0.9)}
-    evaluator = Evaluator(one)
+    evaluator = DesignEvaluator(one)
     begins = evaluator.design(evaluator.start())
     evaluator.close()
     assert begins["cam1.lead_angle"] == pytest.approx(math.radians(40.0))
@@ -651,6 +652,28 @@ def test_what_does_not_influence_the_goal_is_named_and_holds_nothing_back():
     assert found.idle_words() == [words]
 
 
+def test_the_page_names_every_key():
+    shown = set(re.findall(r"^\| `([\w.]+)` \|", (ROOT / "docs/use-optimise.md").read_text(), re.MULTILINE))
+    keys = set(schema.OPTIMISE.model_fields)
+    keys |= {f"constraints.NAME.{key}" for key in schema.GOAL_LIMITS.model_fields}
+    assert keys | {f"tolerances.NAME.{key}" for key in schema.TOLERANCE.model_fields} <= shown
+
+
+def test_all_mistakes_of_a_stage_of_a_file_at_once(tmp_path):
+    path = tmp_path / "wrong.toml"
+    fmu = PLAN.replace("torque_release", "torque_releas").replace("spring.preload", "spring.prelod")
+    values = fmu.replace('"20 deg"', '"80 deg"').replace('"slsqp"', '"slspq"')
+    schema = values.replace("from = 0.5", "form = 0.5").replace('"slspq"', '"slspq"\nbudgets = 1')
+    for text, told in (
+        (fmu, ["no variable 'torque_releas'", "spring.prelod"]),
+        (values, ["plan: cam1.lead_angle: from 1.39626 to 1.22173", "optimise: method = 'slspq'"]),
+        (schema, ["optimise has budgets: did you mean budget", "efficiency has form: did you mean from"]),
+    ):
+        path.write_text(text)
+        with refused("2 mistakes", *told):
+            read_optimisation(path)
+
+
 def test_two_workers_find_the_same_by_the_command_line(tmp_path):
     path = tmp_path / "torque.toml"
     path.write_text(PLAN)
@@ -681,6 +704,15 @@ def test_the_best_design_of_a_scenario_with_formulas(tmp_path, shape):
         assert best.scenario.stop == 2.0 * best.scenario.inputs["theta"].time[1]
 
 
+def test_a_plan_with_mistakes(tmp_path, capsys):
+    path = tmp_path / "wrong.toml"
+    path.write_text(PLAN.replace("from = 0.5", "form = 0.5"))
+    assert main(["study", str(path), "--out", str(tmp_path / "out")]) == 1
+    assert "optimise: constraint efficiency has form: did you mean from" in " ".join(
+        capsys.readouterr().err.split()
+    )
+
+
 def test_a_plan_whose_constraints_no_design_keeps(tmp_path, capsys):
     path = tmp_path / "far.toml"
     path.write_text(PLAN.replace("from = 0.5", "from = 0.9"))
@@ -699,6 +731,25 @@ def case_study():
             (row["system"], row["design"], row["quantity"]): float(row["value"])
             for row in csv.DictReader(file)
         }
+
+
+def test_numbers_of_the_page_are_those_of_the_script():
+    found, page = case_study(), (ROOT / "docs/use-optimise.md").read_text(encoding="utf-8")
+    lines = {
+        "first subject": "heat, first subject",
+        "first subject, 95 % of the parts": "heat of 95 % of the parts, first subject",
+        "second subject, not used in the search": "heat, second subject",
+    }
+    for words, quantity in lines.items():
+        values = (found["knee", design, quantity] for design in ("hand-made", "optimum", "robust optimum"))
+        assert f"| {words} | {' | '.join(f'{value:.2f} J' for value in values)} |" in page
+    for words, quantity in {
+        "1.5 kg": "heat_1.5kg",
+        "without payload": "heat_0kg",
+        "3 kg": "heat_3kg",
+    }.items():
+        values = (found["elbow", design, quantity] for design in ("hand-made", "optimum"))
+        assert f"| {words} | {' | '.join(f'{value:.2f} J' for value in values)} |" in page
 
 
 @pytest.mark.parametrize("design", ["hand-made", "optimum", "robust optimum"])

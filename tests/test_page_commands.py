@@ -4,8 +4,6 @@ docs/tools/run_page.py runs a page as its reader would. Here it runs all pages t
 """
 
 import codeop
-import re
-import tomllib
 from pathlib import Path
 
 import pytest
@@ -106,22 +104,6 @@ def test_every_toml_block_is_a_file_that_a_command_reads(page, block):
     """That command runs with its page."""
     commands = [words for other in BLOCKS[page] if other.language == "sh" for words in other.commands]
     assert block.file and any(block.file in words.split() for words in commands)
-
-
-def powershell_lines():
-    blocks = [block for found in BLOCKS.values() for block in found if block.language == "powershell"]
-    return [line for block in blocks for line in block.code.splitlines()]
-
-
-@pytest.mark.parametrize("line", powershell_lines())
-def test_powershell_names_what_exists(line):
-    """The tests run on no Windows. The files and the extras of the package that a line names exist."""
-    named = [word for word in line.split() if "/" in word and not word.startswith("-")]
-    assert [word for word in named if not (DOCS.parent / word).is_file()] == []
-    extras = tomllib.loads((DOCS.parent / "pyproject.toml").read_text())["project"]["optional-dependencies"]
-    assert {extra for words in re.findall(r"\.\[(.*?)\]", line) for extra in words.split(",")} <= set(extras)
-    program = line.split()[0].removeprefix(".venv\\Scripts\\")
-    assert program in ("py", "python", "Activate.ps1")
 
 
 PAGE = """# A page

@@ -6,10 +6,10 @@ import re
 import runpy
 import subprocess
 import sys
-import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
 import pytest
+import python_rooms
 from driver import ROOT, models
 from pages import DOCS, OF_DOCS, PAGES, TEXTS, load
 from svg_files import assert_same_picture
@@ -212,13 +212,7 @@ def test_commands_named_exist(page):
 
 # ---- architecture.md ----
 
-ARCHITECTURE = TEXTS["docs/architecture.md"]
-
-
-def test_files_of_the_core_named_exist():
-    named = set(re.findall(r"`((?:\w+/)+\w+\.(?:[ch]|def))`", ARCHITECTURE))
-    assert len(named) > 20
-    assert {name for name in named if not (CORE / name).is_file() and not (ROOT / name).is_file()} == set()
+PYTHON_PACKAGE = TEXTS["docs/architecture.md"].split("\n## The Python package\n")[1]
 
 
 def test_picture_of_the_rooms_is_fresh(tmp_path):
@@ -226,7 +220,27 @@ def test_picture_of_the_rooms_is_fresh(tmp_path):
     subprocess.run(
         [sys.executable, script, "--output", tmp_path], check=True, timeout=120, capture_output=True
     )
-    assert_same_picture(tmp_path / "architecture.svg", DOCS / "architecture.svg")
+    for name in ("architecture.svg", "architecture_python.svg"):
+        assert_same_picture(tmp_path / name, DOCS / name)
+
+
+def test_python_rooms_are_those_of_the_tree_in_order():
+    """In the order of the table each room imports rooms of earlier rows."""
+    allowed = python_rooms.may_import(ROOT)
+    rows = [
+        name.replace("/", ".") for name in re.findall(r"^\| `([\w/]+)` \| ", PYTHON_PACKAGE, re.MULTILINE)
+    ]
+    assert set(rows) == set(allowed) - {"systems"}  # a folder of two rooms
+    for room in rows[:-1]:
+        assert {other for other in allowed[room] if rows.index(other) >= rows.index(room)} == set()
+    assert rows[-1] == "cli"
+    assert set(load(DOCS / "figures" / "architecture.py").PYTHON_ROOMS) == set(rows)
+
+
+def test_python_files_named_exist():
+    named = set(re.findall(r"`((?:dualcam|docs|tests)/[\w/.]+)`", PYTHON_PACKAGE))
+    assert len(named) > 30
+    assert {name for name in named if not (ROOT / name).exists()} == set()
 
 
 # ---- variables.md ----
@@ -239,20 +253,6 @@ def test_page_of_variables_is_fresh():
     rows = set(re.findall(r"^\| `([\w.]+)` \|", TEXTS["docs/variables.md"], re.MULTILINE))
     for model in script.FMUS:
         assert {variable.name for variable in script.read_variables(model)} <= rows
-
-
-@pytest.mark.parametrize("model", ["DualCamForward", "DualCamInverse"])
-def test_both_versions_have_the_same_variables(model):
-    """Names and value references, but for the time, the indicators and the second names of the states."""
-    script = load(DOCS / "tools" / "variables_page.py")
-    tree = ElementTree.parse(ROOT / "modelDescription" / f"{model}.xml")
-    second = {v.get("name"): v.get("valueReference") for v in tree.iter("ScalarVariable")}
-    more = {"state.theta", "state.omega", "der(state.theta)", "der(state.omega)"}
-    assert {name for name in second if "state." in name} == (more if model == "DualCamForward" else set())
-    third = {v.name: v.reference for v in script.read_variables(model)}
-    assert {n: r for n, r in second.items() if n not in more} == {
-        name: reference for name, reference in third.items() if not script.ONLY_FMI3.fullmatch(name)
-    }
 
 
 # ---- limits.md ----

@@ -104,3 +104,14 @@ def test_an_unknown_command_of_build_sh_shows_the_usage():
 def test_help_names_every_command():
     named = re.findall(r"^  (\S+) ", run("help").stdout, re.MULTILINE)
     assert named == ["(none)", "test", "check", "wheel", "docs", "run", "help"]
+
+
+LISTS = ("default_tier.txt", "verification/strength/tests.txt", "verification/strength/branch_tests.txt")
+
+
+@pytest.mark.parametrize("name", LISTS)
+def test_each_line_of_a_list_of_tests_names_some(name):
+    for line in (ROOT / "tests" / name).read_text().split():
+        path, _, test = line.partition("::")
+        assert (ROOT / path).exists(), line
+        assert not test or f"def {test.partition('[')[0]}(" in (ROOT / path).read_text(), line

@@ -24,7 +24,6 @@ from scipy.stats import qmc, sobol_indices
 from study_cases import (
     DESIGN,
     FORWARD,
-    INVERSE,
     PLAN,
     PUSH,
     RESULTS,
@@ -41,10 +40,10 @@ import dualcam
 from dualcam import Fmu
 from dualcam.__main__ import main
 from dualcam.study import History, Plan, Scenario, Vary, plots, read_results, read_study
-from dualcam.study.execution import AHEAD, DIED, InThisProcess
-from dualcam.study.first_runs import takes_less_than
-from dualcam.study.runner import Runner
-from dualcam.study.store import RECORD
+from dualcam.study.run.first_runs import takes_less_than
+from dualcam.study.run.runner import Runner
+from dualcam.study.run.workers import AHEAD, DIED, InThisProcess
+from dualcam.study.store.store import RECORD
 from dualcam.study.study import _progress
 
 NULL = ROOT / "build/NullFmu.fmu"
@@ -234,26 +233,6 @@ def test_a_ramp_by_derivatives_is_the_limit_of_small_steps():
     few = runs_of(study(plan, Scenario(0.4, ramp), ["theta", "energy.work_in"])).values
     many = runs_of(study(plan, Scenario(0.4, ramp), [*reads, "theta", "energy.work_in"])).values[:, -2:]
     assert np.allclose(few, many, rtol=1e-9)
-
-
-def test_the_inverse_fmu_follows_a_motion():
-    """Moving up by helices at pi/4: tau = (F0 + k z)/(2 kappa) + J alpha, z = r theta/2, section 3 and 6."""
-    motion = History([0.0, 0.5, 1.0], [0.0, 0.6, 1.0], "smooth")
-    inputs = {
-        "theta": motion,
-        "omega": History(derivative_of="theta"),
-        "alpha": History(derivative_of="omega"),
-    }
-    plan = Plan(
-        "grid", {"cam1.friction": Vary(0.05, 0.2, count=4)}, same_as={"cam2.friction": "cam1.friction"}
-    )
-    one = study(plan, Scenario(1.0, inputs), ["tau@0.3", "tau@0.8"], INVERSE)
-    spline = CubicSpline(motion.time, motion.value, bc_type="clamped")
-    for mu, row in zip(np.linspace(0.05, 0.2, 4), runs_of(one).values, strict=True):
-        for at, tau in zip((0.3, 0.8), row, strict=True):
-            kappa = (1 - mu) / (0.02 * (1 + mu))
-            force = 50.0 + 50_000.0 * 0.01 * spline(at)
-            assert tau == pytest.approx(force / (2 * kappa) + 0.002 * spline(at, 2), rel=1e-12)
 
 
 def test_any_fmu_even_one_without_states_and_input_derivatives():
@@ -528,7 +507,7 @@ def test_a_run_that_kills_its_worker_is_a_failed_row(tmp_path):
 
 def test_a_cluster_that_goes_away_is_told_and_nothing_is_lost(tmp_path, monkeypatch):
     distributed = pytest.importorskip("distributed", reason="dask.distributed is not installed")
-    monkeypatch.setattr("dualcam.study.cluster.UNREACHABLE_AFTER", "2s")
+    monkeypatch.setattr("dualcam.study.run.cluster.UNREACHABLE_AFTER", "2s")
     one = study(Plan("latin", DESIGN, runs=60), closed(slow, 0.1, 0.02), ["theta"])
     with (
         distributed.LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None) as cluster,
@@ -547,7 +526,7 @@ def test_a_cluster_that_goes_away_is_told_and_nothing_is_lost(tmp_path, monkeypa
 
 def test_a_scheduler_that_does_not_answer_is_told(tmp_path, monkeypatch):
     pytest.importorskip("distributed", reason="dask.distributed is not installed")
-    monkeypatch.setattr("dualcam.study.cluster.UNREACHABLE_AFTER", "1s")
+    monkeypatch.setattr("dualcam.study.run.cluster.UNREACHABLE_AFTER", "1s")
     with refused("no Dask scheduler", "127.0.0.1:9"):
         study().run(tmp_path, scheduler="tcp://127.0.0.1:9")
     assert not list(tmp_path.glob("runs/*"))

@@ -9,8 +9,9 @@ from study_cases import FORWARD, INVERSE, PUSH, study
 from test_study_scenarios import SCENARIOS, groove
 
 import dualcam
-from dualcam.study import History, Plan, Scenario, Study, Vary, batch
-from dualcam.study.runner import Runner
+from dualcam.study import History, Plan, Scenario, Study, Vary
+from dualcam.study.run import batch
+from dualcam.study.run.runner import Runner
 
 FMI3 = dualcam.fmu_path("forward", fmi=3)
 FRICTION = Vary(0.08, 0.2)

@@ -12,7 +12,7 @@ from pages import TEXTS, load
 
 from dualcam.cli.study import PLAN
 from dualcam.study import plot_keys
-from dualcam.study.reading.schema import json_schema
+from dualcam.study.file.schema import json_schema
 
 SCRIPT = runpy.run_path(str(ROOT / "docs" / "tools" / "study_plan_page.py"))
 SCHEMA = ROOT / "dualcam" / "study" / "plan.schema.json"
@@ -42,6 +42,30 @@ def test_page_and_schema_are_fresh():
     assert TEXTS["docs/study-plan.md"] == SCRIPT["page"]()
 
 
+def keys_of(table, prefix=""):
+    """Dotted keys of a plan; a name of the user's is NAME."""
+    for key, value in table.items():
+        free = prefix in {f"{name}." for name in (*SCRIPT["ANY_NAME"], *FREE)}
+        name = f"{prefix}{'NAME' if free else key}"
+        if not free:
+            yield name
+        for each in value if isinstance(value, list) else [value]:
+            if isinstance(each, dict) and name not in FREE:
+                yield from keys_of(each, f"{name}.")
+
+
+FREE = ("parameters", "plan.derived", "plan.constraints", "scenario.controller.arguments",
+        "plan.vary.NAME.arguments", "optimise.objectives", "optimise.start")  # fmt: skip
+
+
+@pytest.mark.parametrize("name", PLANS)
+def test_all_keys_of_a_plan_that_runs_are_on_the_page(name):
+    plan = PLANS[name]
+    plan = plan.get("study", plan)
+    shown = set(re.findall(r"^\| `([\w.]+)` \|", TEXTS["docs/study-plan.md"], re.MULTILINE))
+    assert set(keys_of(plan)) <= shown
+
+
 @pytest.mark.parametrize("name", [name for name, plan in PLANS.items() if "study" not in plan])
 def test_a_plan_that_runs_keeps_the_schema(name):
     jsonschema.validate(PLANS[name], json_schema())
@@ -58,6 +82,15 @@ def test_an_editor_shows_a_mistake(change, path):
     plan = PLANS["docs/use-studies.md made.toml"] | change
     errors = list(jsonschema.Draft202012Validator(json_schema()).iter_errors(plan))
     assert [list(error.absolute_path) for error in errors] == [path]
+
+
+def test_kinds_and_shapes_are_all_on_the_page():
+    from dualcam.scenario.history import SHAPES
+    from dualcam.study.plan.arrangements import KINDS
+
+    text = TEXTS["docs/study-plan.md"]
+    assert all(f"| `{kind}` |" in text for kind in KINDS)
+    assert all(f"`{shape}`" in text or f'"{shape}"' in text for shape in SHAPES)
 
 
 def test_keys_of_pictures_are_those_that_are_read():

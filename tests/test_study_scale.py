@@ -20,9 +20,9 @@ from study_laws import slow
 
 from dualcam import Fmu
 from dualcam.study import Evaluator, Plan, Vary, read_results
-from dualcam.study.chunk import Files
-from dualcam.study.runner import Runner
-from dualcam.study.store import FINISHED, RECORD
+from dualcam.study.run.chunk import Files
+from dualcam.study.run.runner import Runner
+from dualcam.study.store.store import FINISHED, RECORD
 
 RLIMIT = resource.RLIMIT_FSIZE
 fsspec = pytest.importorskip("fsspec", reason="fsspec is not installed")
@@ -123,11 +123,11 @@ def test_processes_write_their_files_and_the_study_the_record(tmp_path, monkeypa
 def test_random_numbers_travel_while_they_are_few(tmp_path, monkeypatch):
     """Workers make many of them by themselves, and the same ones."""
     for sent, is_there in ((1_000_000, True), (1000, False)):
-        monkeypatch.setattr("dualcam.study.sampling.sampler.SENT", sent)
+        monkeypatch.setattr("dualcam.study.plan.sampler.SENT", sent)
         one = study()
         one.plan.rows(0, 1)
         files = pickle.loads(pickle.dumps(Files(None, "csv", one.plan, one.readings, {}, "mark")))
-        assert ("_shares" in vars(files.plan._sampler)) == is_there
+        assert ("_shares" in vars(files.plan.sampler)) == is_there
         assert np.array_equal(files.plan.rows(0, 64), one.plan.rows(0, 64))
 
 
@@ -199,7 +199,7 @@ def test_a_process_of_a_study_loads_neither_scipy_nor_pydantic():
     """Each process imports dualcam.study before it computes: SciPy alone takes half a second. The names of
     optimisations and of files are loaded at their first use."""
     program = (
-        "import sys, dualcam.study.chunk as _;"
+        "import sys, dualcam.study.run.chunk as _;"
         "print({'scipy', 'pydantic', 'dualcam.design'} & set(sys.modules));"
         "from dualcam.study import *; assert all(map(callable, (optimise, read_optimisation, read_study)))"
     )
@@ -281,7 +281,7 @@ def test_files_have_enough_runs_for_each_table(tmp_path):
 
 KEEPS = """
 import os, signal, sys
-from dualcam.study.sampling.kept_files import kept_file
+from dualcam.study.plan.kept_files import kept_file
 assert kept_file("one.csv", b"one") == kept_file("one.csv", b"one")
 path = kept_file("two.csv", b"two")
 assert path.read_bytes() == b"two"

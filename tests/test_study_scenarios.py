@@ -6,18 +6,17 @@ import warnings
 
 import numpy as np
 import pytest
+from resolved_run import resolve
 from study_cases import FORWARD, INVERSE, refused, runs_of, study
 
-import dualcam
 from dualcam import Fmu
 from dualcam.__main__ import main
 from dualcam.errors import DualcamWarning
 from dualcam.study import Controller, History, Plan, Scenario, Vary, read_results, read_study
-from dualcam.study.first_runs import check
-from dualcam.study.resolved import resolve
-from dualcam.study.runner import Runner
-from dualcam.study.sampling.profiles import RandomProfiles
-from dualcam.study.sampling.texts import GivenTexts
+from dualcam.study.plan.profiles import RandomProfiles
+from dualcam.study.plan.texts import GivenTexts
+from dualcam.study.run.first_runs import check
+from dualcam.study.run.runner import Runner
 
 PEAK, END = Vary(4.0, 9.0), Vary(0.05, 0.3)
 FRICTION = Vary(0.08, 0.2)
@@ -154,15 +153,6 @@ def test_the_inverse_fmu_follows_a_motion_whose_duration_varies():
         assert theta == pytest.approx(exact, rel=1e-12)
         force = 50.0 + 50_000.0 * 0.01 * exact
         assert tau == pytest.approx(force / (2.0 * kappa) + 0.002 * alpha, rel=1e-9)
-
-
-def test_fmi_3_makes_the_runs_of_fmi_2():
-    vary, scenario = SCENARIOS["jump"]
-    plan = Plan("latin", {"cam1.friction": FRICTION, **vary}, runs=12)
-    found = [runs_of(study(plan, scenario, RESULTS, source)) for source in
-             ("forward", dualcam.fmu_path("forward", fmi=3))]  # fmt: skip
-    assert not found[0].messages and not found[1].messages
-    assert np.allclose(found[0].values, found[1].values, rtol=1e-12)
 
 
 @pytest.mark.parametrize("saves_state", [True, False])

@@ -34,10 +34,11 @@ from study_laws import murderous, slow
 
 from dualcam.__main__ import main
 from dualcam.fmi.fmu import FmuError
-from dualcam.study import Controller, Plan, Scenario, Study, Vary, processes, read_results, read_study
-from dualcam.study.execution import DIED
-from dualcam.study.storage import Folder
-from dualcam.study.store import FINISHED, RECORD
+from dualcam.study import Controller, Plan, Scenario, Study, Vary, read_results, read_study
+from dualcam.study.run import processes
+from dualcam.study.run.workers import DIED
+from dualcam.study.store.storage import Folder
+from dualcam.study.store.store import FINISHED, RECORD
 
 # ---- another FMU ----
 
@@ -158,11 +159,16 @@ def test_an_fmu_that_is_none_to_run(tmp_path, make, mentions):
         ("runs = 64", "runs = 1099511627776", ["runs = 1099511627776", "100,000,000"]),
         ("from = 0.6", 'from = "low"', ["cam1.lead_angle", "from = 'low'", "number"]),
         ("from = 0.6", "from = nan", ["cam1.lead_angle", "nan", "finite"]),
+        ("from = 0.6", "from = 0.95", ["cam1.lead_angle", "0.95", "0.9", "below"]),
         ("from = 0.6", "from = -0.6", ["cam1.lead_angle", "-0.6", "FMU allows"]),
         ("from = 0.6, to = 0.9", "values = []", ["cam1.lead_angle", "at least one"]),
         ("from = 0.6, to = 0.9", "values = [0.6, inf]", ["cam1.lead_angle", "inf", "finite"]),
         ("from = 0.6, to = 0.9", "values = [0.6], to = 0.9", ["cam1.lead_angle", "to", "values"]),
         ('same_as = "cam1.friction"', 'same_as = "cam1.friction", to = 1', ["cam2.friction", "to", "same"]),
+        ('cam1.lead_angle" = {{', 'cam1.lead_angel" = {{', ["cam1.lead_angel", "cam1.lead_angle"]),
+        ("time = [0.0, 0.05, 0.05]", "time = 0.0", ["tau", "time = 0.0", "list"]),
+        ("time = [0.0, 0.05, 0.05]", "time = [0.0, 0.05]", ["tau", "3 values at 2 times"]),
+        ("inputs.tau", "inputs.tua", ["tua", "tau"]),
         ('x = "cam1.lead_angle"', "x = 3", ["plot map", "x = 3", "text"]),
         ('of = ["efficiency"]', "of = []", ["plot sobol", "at least one"]),
         ('of = ["efficiency"]', 'of = ["efficiency"]\nhighlight = 1', ["plot sobol", "highlight"]),
@@ -222,6 +228,33 @@ def test_a_picture_without_plots_is_refused_before_the_runs(tmp_path, capsys):
     assert main(words) == 1
     assert "no plots" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    "content, mentions",
+    [
+        ("", ["empty"]),
+        ("cam1.radius\n", ["0 runs"]),
+        ("cam1.radius\n0.02\nnan\n", ["line 3", "cam1.radius", "'nan'", "finite"]),
+        ("cam1.radius,cam1.radius\n0.02,0.03\n", ["two columns cam1.radius"]),
+        ("cam1.radius,cam2.radius\n0.02\n", ["line 2", "column 2", "cam2.radius", "no value"]),
+        ("cam1.radius;cam2.radius\n0,02;0,03;1\n", ["line 2", "3 values", "2 columns"]),
+        ("cam1.radius\n0.02\n\nwide\n", ["line 4", "wide"]),
+    ],
+)
+def test_a_table_with_slips(tmp_path, content, mentions):
+    path = tmp_path / "designs.csv"
+    path.write_text(content)
+    with refused(*mentions):
+        Plan.from_csv(path)
+
+
+def test_a_table_as_spreadsheets_write_it(tmp_path):
+    path = tmp_path / "designs.csv"
+    path.write_bytes("\ufeffcam1.radius, contacts\r\n0.02, 1\r\n\r\n".encode())
+    plan = Plan.from_csv(path)
+    assert plan.names == ["cam1.radius", "contacts"]
+    assert plan.rows(0, 1).tolist() == [[0.02, 1.0]]
 
 
 @pytest.mark.parametrize("wrong, mentions", [
@@ -467,14 +500,14 @@ def cluster(**more):
 
 
 def test_a_cluster_without_workers_is_told(tmp_path, monkeypatch):
-    monkeypatch.setattr("dualcam.study.cluster.NO_WORKERS_FOR", 1)
+    monkeypatch.setattr("dualcam.study.run.cluster.NO_WORKERS_FOR", 1)
     with cluster(n_workers=0) as empty, refused("has no workers", "same command"):
         study().run_to_files(tmp_path, scheduler=empty.scheduler_address)
     assert not list(tmp_path.glob("runs/*"))
 
 
 def test_a_cluster_that_loses_its_workers_is_told_and_nothing_is_lost(tmp_path, monkeypatch):
-    monkeypatch.setattr("dualcam.study.cluster.NO_WORKERS_FOR", 2)
+    monkeypatch.setattr("dualcam.study.run.cluster.NO_WORKERS_FOR", 2)
     one = study(Plan("latin", DESIGN, runs=60), closed(slow, 0.1, 0.02), ["theta"])
     chunks = []
 
@@ -493,6 +526,6 @@ def test_a_cluster_that_loses_its_workers_is_told_and_nothing_is_lost(tmp_path, 
 
 
 def test_workers_without_the_package_are_told(tmp_path):
-    absent = "import sys; sys.modules['dualcam.study.runner'] = None"
+    absent = "import sys; sys.modules['dualcam.study.run.runner'] = None"
     with cluster(n_workers=1, preload=absent) as bare, refused("cannot take", "dualcam"):
         study().run_to_files(tmp_path, scheduler=bare.scheduler_address)

@@ -138,7 +138,7 @@ def test_designs_of_the_systems_get_no_warning(tmp_path):
 
 
 def test_studies_get_no_warning():
-    from dualcam.study.reading.study_file import read_study
+    from dualcam.study.file.study_file import read_study
 
     plans = sorted((ROOT / "system_examples" / "study").glob("*.toml"))
     assert plans

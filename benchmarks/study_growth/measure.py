@@ -19,12 +19,13 @@ import numpy as np
 from benchmarks.harness import core
 from benchmarks.harness.processes import processor_seconds
 from benchmarks.study_rate.study import study
-from dualcam.study import History, Plan, Scenario, Study, Vary, cluster
-from dualcam.study.chunk import Task, Written, name_of
-from dualcam.study.execution import Workers
-from dualcam.study.processes import Processes
-from dualcam.study.runner import Runner
-from dualcam.study.store import Store
+from dualcam.study import History, Plan, Scenario, Study, Vary
+from dualcam.study.run import cluster
+from dualcam.study.run.chunk import Task, Written, name_of
+from dualcam.study.run.processes import Processes
+from dualcam.study.run.runner import Runner
+from dualcam.study.run.workers import Workers
+from dualcam.study.store.store import Store
 
 FILE = 10_000  # runs
 TABLES, TABLE_RUNS = 100, 10_000

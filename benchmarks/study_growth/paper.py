@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from benchmarks.study_growth.measure import FILE, Costs
-from dualcam.study.cluster import GROUP_SECONDS
+from dualcam.study.run.cluster import GROUP_SECONDS
 
 WORKERS = (1, 2, 10, 30, 100, 300, 1000)
 STORES = {"network folder": 1e9, "object store": 10e9}  # bytes per second that a store takes, assumed

@@ -12,7 +12,7 @@ from benchmarks.harness.circumstances import circumstances
 from benchmarks.harness.timing import Ratio
 from benchmarks.study_rate.measure import memory, profile, rates
 from benchmarks.study_rate.study import RUNS, study
-from dualcam.study.runner import Runner
+from dualcam.study.run.runner import Runner
 
 MEMORY_MARGIN = 1.0  # MiB
 TARGET_RATE, TARGET_IN_C, TARGET_NAIVE = 20_000.0, 0.7, 1000.0

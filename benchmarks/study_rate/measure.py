@@ -27,7 +27,7 @@ from benchmarks.study_rate.study import (
 )
 from dualcam import Fleet
 from dualcam.fmi.fmu import Array
-from dualcam.study.runner import Runner
+from dualcam.study.run.runner import Runner
 
 NAIVE_RUNS = 10
 FLEET = 1000  # instances

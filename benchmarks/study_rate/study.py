@@ -7,7 +7,7 @@ import time
 from benchmarks.harness import core
 from dualcam.fmi.fmu import Array
 from dualcam.study import History, Plan, Scenario, Study, Vary
-from dualcam.study.runner import Runner
+from dualcam.study.run.runner import Runner
 
 RUNS = 4000  # in a timed block
 VARY = {

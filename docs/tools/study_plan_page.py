@@ -11,9 +11,9 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from dualcam.study import entries
-from dualcam.study.reading.schema import json_schema, whole_model
-from dualcam.study.sampling.formula import ARGUMENTS, FUNCTIONS
+from dualcam.common import entries
+from dualcam.scenario.formula import ARGUMENTS, FUNCTIONS
+from dualcam.study.file.schema import json_schema, model_of
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = ROOT / "docs" / "study-plan.md"
@@ -67,7 +67,7 @@ def _inner(kind: Any) -> Any:  # noqa: ANN401
 def rows() -> list[str]:
     """One row of the table for each key."""
     found = ["| key | value | meaning |", "| --- | --- | --- |"]
-    for key, field in keys(whole_model()):
+    for key, field in keys(model_of("Plan")):
         extra = field.json_schema_extra
         needed = " (needed)" if extra["needed"] else ""
         found.append(f"| `{key}` | {VALUES[extra['words']]} | {field.description}{needed} |")

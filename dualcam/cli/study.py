@@ -66,7 +66,7 @@ def command(
     from rich.console import Console
 
     from dualcam.study.command import Settings, read_all, run
-    from dualcam.study.reading.study_file import content_of
+    from dualcam.study.file.study_file import content_of
     from dualcam.study.study import Study
 
     found = read_all(plans)

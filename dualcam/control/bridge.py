@@ -17,8 +17,8 @@ from dualcam.control.forward import (
     CamAtState,
     Names,
     Source,
-    checked_period,
     open_forward,
+    sampling_period,
     selected_names,
 )
 from dualcam.control.linear import linearize
@@ -46,6 +46,7 @@ def to_nonlinear_io_system(
     rest_speed: float = REST_SPEED,
     rest_time: float = REST_TIME,
     name: str = "cam",
+    dt: float | None = None,
 ) -> control.NonlinearIOSystem:
     """The cam as a plant for input_output_response, interconnect, linearize and the rest of python-control.
 
@@ -75,6 +76,8 @@ def to_nonlinear_io_system(
         Time constant [s], > 0, with which the speed decays at rest; see Notes.
     name : str
         Name of the system.
+    dt : float, optional
+        The same as `period`, by python-control's name.
 
     Returns
     -------
@@ -127,10 +130,11 @@ def to_nonlinear_io_system(
     [0.0, 0.209, 0.6854]
     """
     names_in = selected_names(inputs, INPUTS, "input")
-    if period is None:
+    sampling = sampling_period(period, dt)
+    if sampling is None:
         speed, time = positive_number(rest_speed, "rest_speed"), positive_number(rest_time, "rest_time")
         return ContinuousCamSystem(source, names_in, outputs, parameters, speed, time, name)
-    return _sampled(source, names_in, outputs, parameters, checked_period(period), name)
+    return _sampled(source, names_in, outputs, parameters, sampling, name)
 
 
 def _outputs(fmu: Handle, names: Names) -> list[str]:

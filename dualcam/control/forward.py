@@ -52,9 +52,15 @@ def selected_names(names: Names, allowed: Sequence[str], what: str) -> list[str]
     return found
 
 
-def checked_period(period: float) -> float:
-    """`period` [s]; FmuError if it is no finite number > 0."""
-    return positive_number(period, "period", "a finite number > 0 in s, or None for continuous time")
+def sampling_period(period: float | None, dt: float | None) -> float | None:
+    """The period [s] of a sampled model, given by either name; None for continuous time.
+
+    FmuError if it is no finite number > 0, or if both are given."""
+    if period is not None and dt is not None:
+        raise FmuError(f"period = {period!r} and dt = {dt!r}: allowed is one of them, they mean the same")
+    name, value = ("period", period) if dt is None else ("dt", dt)
+    allowed = "a finite number > 0 in s, or None for continuous time"
+    return None if value is None else positive_number(value, name, allowed)
 
 
 class CamAtState:

@@ -25,7 +25,7 @@ from dualcam.control.forward import (
     CamAtState,
     Names,
     Source,
-    checked_period,
+    sampling_period,
     selected_names,
 )
 from dualcam.errors import DualcamWarning, FmuError
@@ -82,6 +82,7 @@ def linearize(
     outputs: Names = None,
     parameters: Mapping[str, Scalar] | None = None,
     period: float | None = None,
+    dt: float | None = None,
 ) -> control.StateSpace:
     """The linear model about an operating point, from the FMU's partial derivatives.
 
@@ -115,6 +116,8 @@ def linearize(
         None: continuous. Else the model at multiples of `period` [s] under inputs held over each period:
         control.sample_system of the continuous one. While the mode lasts, the sampled model is exact for
         linear slip (helices, linear spring and damper), else right to first order in the period.
+    dt : float, optional
+        The same as `period`, by python-control's name.
 
     Returns
     -------
@@ -149,7 +152,7 @@ def linearize(
     3.314
     """
     names_in, names_out = selected_names(inputs, INPUTS, "input"), selected_names(outputs, OUTPUTS, "output")
-    sampling = None if period is None else checked_period(period)
+    sampling = sampling_period(period, dt)
     theta, omega = number_of(theta, "theta"), number_of(omega, "omega")
     tau = None if tau is None else number_of(tau, "tau")
     cam = CamAtState(source, parameters)

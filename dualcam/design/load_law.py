@@ -35,7 +35,7 @@ class LoadPower:
 
     Parameters
     ----------
-    exponent : float
+    exponent : float or array of the shape of the loads
         nu [1].
     reference : float
         N_ref [N].
@@ -48,7 +48,7 @@ class LoadPower:
     array([0.3162, 2.0003])
     """
 
-    exponent: float
+    exponent: float | Values
     reference: float
 
     def factor(self, load: Values) -> Values:

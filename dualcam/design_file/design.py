@@ -17,7 +17,7 @@ from dualcam.fmi.variables import all_parameters, parameters_of
 if TYPE_CHECKING:
     from dualcam.design import Groove, HelicalSpring, Limits, Mechanism, Pin, Roller
     from dualcam.design.load_law import LoadLaw
-    from dualcam.study.scenario import Scenario
+    from dualcam.scenario.scenario import Scenario
 
 
 class SpringLimits(NamedTuple):

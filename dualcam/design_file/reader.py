@@ -135,8 +135,7 @@ class _Reading:
             lines=self.lines,
         )
         if design.study is not None:
-            is_scenario_refused = scenario_table is not None and scenario is None
-            self.attempt("study", lambda: check_section("study", design, is_scenario_refused))
+            self.attempt("study", lambda: check_section("study", design))
         return design
 
     def _is_refused(self, prefix: str) -> bool:
@@ -361,7 +360,7 @@ class _Reading:
 def _scenario(table: Mapping[str, Any], model: str) -> Any:  # noqa: ANN401
     """The Scenario of a validated table; omega and alpha follow from theta where they are not given."""
     from dualcam.errors import DesignError
-    from dualcam.study.scenario import History, Scenario
+    from dualcam.scenario.scenario import History, Scenario
 
     if "stop" not in table:
         raise DesignError("lacks stop: give the end of the simulation in s, such as stop = 2.0")

@@ -12,6 +12,6 @@ if TYPE_CHECKING:
 OWNERS = {"study": "dualcam.study.section"}  # key of the file -> module with a function check_section
 
 
-def check_section(key: str, design: DesignFile, is_scenario_refused: bool) -> None:
-    """An error of the owner, with all mistakes of the section. `is_scenario_refused`: [scenario] has one."""
-    import_module(OWNERS[key]).check_section(design, is_scenario_refused)
+def check_section(key: str, design: DesignFile) -> None:
+    """An error of the owner, with all mistakes of the section."""
+    import_module(OWNERS[key]).check_section(design)

@@ -29,7 +29,7 @@ from dualcam.fmi.model_description import XML, Scalar
 from dualcam.fmi.variables import all_parameters, inputs_of, parameters_of, unused
 
 if TYPE_CHECKING:
-    from dualcam.study.scenario import Scenario
+    from dualcam.scenario.scenario import Scenario
 
 
 @runtime_checkable

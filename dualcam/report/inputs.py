@@ -14,7 +14,7 @@ from dualcam.fmi.variables import SettableVariable, all_inputs, parameters_of
 if TYPE_CHECKING:
     from dualcam.design import HelicalSpring, Limits, Pin, Roller
     from dualcam.design_file import DesignFile
-    from dualcam.study.scenario import History, Scenario
+    from dualcam.scenario.scenario import History, Scenario
 
 Row = tuple[str, ...]
 

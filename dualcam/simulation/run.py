@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, KeysView, Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -16,11 +17,12 @@ from dualcam.common.unit_guards import units_checked_before
 from dualcam.errors import DesignError, DualcamError
 from dualcam.fmi.fmu import Fmu, Scalar
 from dualcam.fmi.handle import names_of
-from dualcam.fmi.library import fmu_path
+from dualcam.fmi.library import MODELS, fmu_path
+from dualcam.fmi.variables import inputs_of
 
 if TYPE_CHECKING:
     from dualcam.design_file import DesignFile, DesignSource
-    from dualcam.study.scenario import Step
+    from dualcam.scenario.scenario import Scenario, Step
 
 Array = NDArray[np.float64]
 
@@ -150,25 +152,33 @@ def checked_format(path: Path) -> str:
 
 
 def simulate(
-    design: DesignSource,
+    design: DesignSource | Fmu,
     variables: Sequence[str] = (),
     *,
+    scenario: Scenario | None = None,
+    output_interval: float | None = None,
     parameters: Mapping[str, Scalar] | None = None,
     fmu: str | Path | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> Trajectory:
-    """Run the scenario of a design.
+    """Run the scenario of a design, or any scenario with an FMU.
 
     Parameters
     ----------
-    design : DesignFile, str or Path
-        A design with a scenario, from `read_design`, or the path of its file.
+    design : DesignFile, str, Path or Fmu
+        A design from `read_design`, or the path of its file; or "forward", "inverse", the path of any FMU for
+        co-simulation (.fmu), or a handle, which begins a new run and stays open.
     variables : sequence of str
-        Names of numeric variables to record; none: inputs, outputs, torque band, reactions and energies.
+        Names of numeric variables to record; none: inputs, outputs, and of a design torque band, reactions
+        and energies.
+    scenario : dualcam.study.Scenario, optional
+        What is done, instead of the [scenario] of the design. An FMU needs one.
+    output_interval : float, optional
+        Time between two samples [s]. None: that of the design, else a thousandth of the whole.
     parameters : mapping, optional
         Start values that replace those of the design, in the FMU's units.
     fmu : str or Path, optional
-        Another FMU than the one of this package, such as an exported one.
+        For a design, another FMU than the one of this package, such as an exported one.
     progress : function, optional
         Called with the share of the time that is done, 0 to 1.
 
@@ -180,7 +190,7 @@ def simulate(
     Raises
     ------
     DesignError
-        The design has no scenario, or the file is refused.
+        There is no scenario, or the design file is refused.
     FmuError
         The FMU refuses a value or a step.
 
@@ -193,39 +203,121 @@ def simulate(
     ...     trajectory = simulate(write_template("minimal", Path(folder) / "my.toml"), ["theta", "tau"])
     >>> float(trajectory["theta"].max())  # rad, the upper stop
     1.3962634015954636
+    >>> from dualcam.study import History, Scenario
+    >>> push = Scenario(0.1, {"tau": History([0.0, 0.1], [0.0, 3.0])})  # s, N.m
+    >>> float(simulate("forward", ["tau"], scenario=push)["tau"][-1])
+    3.0
     """
-    from dualcam.design_file import as_design
-    from dualcam.design_file.sample_times import sample_times
-
-    design = as_design(design)
     if not isinstance(parameters, Mapping | None):
         raise DualcamError(f"parameters = {parameters!r}: allowed is a dict of names and values, or None")
-    scenario = design.scenario
+    if isinstance(design, Fmu) or (isinstance(design, str | Path) and _is_fmu(design)):
+        case = _case_of_fmu(design, scenario, fmu)
+    else:
+        from dualcam.design_file import as_design
+
+        case = _case_of_design(as_design(design), scenario, fmu)
+    interval = case.interval if output_interval is None else output_interval
+    with case.opened() as handle, case.warnings():
+        return _run(handle, case, interval, variables, parameters or {}, progress)
+
+
+@dataclass(frozen=True)
+class _Case:
+    """What is run. `model` and `design` are empty for an FMU without a design."""
+
+    fmu: str | Path | Fmu
+    scenario: Scenario
+    interval: float | None = None
+    model: str = ""
+    design: DesignFile | None = None
+
+    def opened(self) -> AbstractContextManager[Fmu]:
+        """The handle; one that was given stays open."""
+        return nullcontext(self.fmu) if isinstance(self.fmu, Fmu) else Fmu(self.fmu)
+
+    def warnings(self) -> AbstractContextManager[None]:
+        """Units of a design are checked where it is read."""
+        return units_checked_before() if self.design else nullcontext()
+
+    def start(self) -> dict[str, Scalar]:
+        """Start values of the design."""
+        return self.design.parameters_for(self.model) if self.design else {}
+
+    def variables(self, handle: Fmu) -> tuple[str, ...]:
+        """What is recorded unless names are given."""
+        return VARIABLES[self.model] if self.design else _inputs_and_outputs(handle)
+
+
+def _is_fmu(path: str | Path) -> bool:
+    return str(path) in MODELS or Path(path).suffix == ".fmu"
+
+
+def _case_of_fmu(source: str | Path | Fmu, scenario: Scenario | None, fmu: object) -> _Case:
+    if scenario is None:
+        raise DesignError(
+            f"{source}: an FMU has no scenario: give one, such as scenario=Scenario(1.0, {{'tau':"
+            " History([0.0, 0.5], [0.0, 5.0])}) of dualcam.study"
+        )
+    if fmu is not None:
+        raise DesignError(f"fmu = {fmu!r} beside the FMU {source}: fmu is the FMU of a design")
+    _check_controller(scenario, "the scenario")
+    return _Case(source, scenario)
+
+
+def _case_of_design(design: DesignFile, given: Scenario | None, fmu: str | Path | None) -> _Case:
+    scenario = design.scenario if given is None else given
     if scenario is None:
         raise DesignError(
             f"{design.path}: the file has no [scenario]: add one, such as\n"
             "[scenario]\nstop = 1.0  # s\ninputs.tau = { time = [0.0, 0.5], value = [0.0, 5.0] }  # s, N.m"
         )
+    _check_controller(scenario, f"{design.path}: scenario.controller")
+    fits = [model for model in MODELS if given and set(given.inputs) <= set(inputs_of(model))]
+    model = fits[0] if fits and design.model not in fits else design.model
+    return _Case(fmu or fmu_path(model), scenario, design.output_interval, model, design)
+
+
+def _check_controller(scenario: Scenario, where: str) -> None:
     if scenario.controller is not None:
-        raise DesignError(f"{design.path}: scenario.controller: only studies run controllers; leave it out")
-    times = sample_times(scenario.stop, design.output_interval)
-    names = tuple(names_of(variables, "variables")) or VARIABLES[design.model]
-    with Fmu(fmu or fmu_path(design.model)) as handle, units_checked_before():
-        _check_inputs(design, handle)
-        recorder = _Recorder(handle, names)
-        interpolates = _takes_derivatives(handle)
-        steps = scenario.steps([float(time) for time in times], interpolates=interpolates, fixed=False)
-        given = {**design.parameters_for(design.model), **(parameters or {}), **steps[0].values}
-        handle.start(given, tolerance=scenario.tolerance)
-        inputs = _Inputs(handle)
-        rows = [recorder.row(0.0)]
-        for step, due in zip(steps, _is_sample(steps, times), strict=True):
-            inputs.send(step)
-            handle.step(step.size)
-            if due:
-                rows.append(recorder.row(step.time + step.size))
-                if progress is not None:
-                    progress(min(1.0, (step.time + step.size) / scenario.stop))
+        raise DesignError(f"{where}: only studies run controllers; leave it out")
+
+
+def _inputs_and_outputs(handle: Fmu) -> tuple[str, ...]:
+    return tuple(
+        variable.name
+        for variable in handle.description.variables
+        if variable.causality in ("input", "output") and variable.kind != "string"
+    )
+
+
+def _run(
+    handle: Fmu,
+    case: _Case,
+    interval: float | None,
+    variables: Sequence[str],
+    parameters: Mapping[str, Scalar],
+    progress: Callable[[float], None] | None,
+) -> Trajectory:
+    """The steps of the scenario, and the samples."""
+    from dualcam.design_file.sample_times import sample_times
+
+    scenario = case.scenario
+    times = sample_times(scenario.stop, interval)
+    names = tuple(names_of(variables, "variables")) or case.variables(handle)
+    _check_inputs(case, handle)
+    recorder = _Recorder(handle, names)
+    interpolates = _takes_derivatives(handle)
+    steps = scenario.steps([float(time) for time in times], interpolates=interpolates, fixed=False)
+    handle.start({**case.start(), **parameters, **steps[0].values}, tolerance=scenario.tolerance)
+    inputs = _Inputs(handle)
+    rows = [recorder.row(0.0)]
+    for step, due in zip(steps, _is_sample(steps, times), strict=True):
+        inputs.send(step)
+        handle.step(step.size)
+        if due:
+            rows.append(recorder.row(step.time + step.size))
+            if progress is not None:
+                progress(min(1.0, (step.time + step.size) / scenario.stop))
     return Trajectory(("time", *names), np.array(rows))
 
 
@@ -235,14 +327,15 @@ def _takes_derivatives(handle: Fmu) -> bool:
     return handle.description.fmi_major == 2 and interface is not None and interface.can_interpolate_inputs
 
 
-def _check_inputs(design: DesignFile, handle: Fmu) -> None:
+def _check_inputs(case: _Case, handle: Fmu) -> None:
     """DesignError if the FMU lacks an input that the scenario drives, as an FMU of the other model does."""
-    assert design.scenario is not None
     inputs = [variable.name for variable in handle.description.variables if variable.causality == "input"]
-    if absent := [name for name in design.scenario.inputs if name not in inputs]:
+    if absent := [name for name in case.scenario.inputs if name not in inputs]:
+        of = f"[scenario] of {case.design.path}" if case.design else "scenario"
+        allowed = f" allowed is an FMU of the {case.model} model;" if case.design else ""
         raise DesignError(
-            f"{handle.path} has no input {', '.join(absent)}, which the [scenario] of {design.path} gives:"
-            f" allowed is an FMU of the {design.model} model; the inputs of this FMU are {', '.join(inputs)}"
+            f"{handle.path} has no input {', '.join(absent)}, which the {of} gives:{allowed}"
+            f" the inputs of this FMU are {', '.join(inputs)}"
         )
 
 

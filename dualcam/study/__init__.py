@@ -23,17 +23,18 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from dualcam.common.mistakes import StudyError
 from dualcam.common.module_calls import explain_call_of
-from dualcam.study.evaluator import Evaluator
-from dualcam.study.plan import Plan
-from dualcam.study.problem import StudyError
-from dualcam.study.results import Results, read_results
-from dualcam.study.sampling.correlation import Correlation
-from dualcam.study.sampling.vary import Vary
-from dualcam.study.scenario import Controller, History, Scenario
+from dualcam.scenario.scenario import Controller, History, Scenario
+from dualcam.study.plan.correlation import Correlation
+from dualcam.study.plan.plan import Plan
+from dualcam.study.plan.vary import Vary
+from dualcam.study.run.evaluator import Evaluator
+from dualcam.study.store.results import Results, read_results
 from dualcam.study.study import Study
 
 if TYPE_CHECKING:
+    from dualcam.study.file.study_file import read_study
     from dualcam.study.optimisation import (
         Deviation,
         FmuRuns,
@@ -42,7 +43,6 @@ if TYPE_CHECKING:
         optimise,
         read_optimisation,
     )
-    from dualcam.study.reading.study_file import read_study
 
 __all__ = [
     "Controller",
@@ -73,7 +73,7 @@ _MODULE_OF = {
     "Optimum": "optimisation",
     "optimise": "optimisation",
     "read_optimisation": "optimisation",
-    "read_study": "reading.study_file",
+    "read_study": "file.study_file",
 }
 
 if not TYPE_CHECKING:  # type checkers see the imports above, and report other names

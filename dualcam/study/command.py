@@ -10,12 +10,12 @@ from pathlib import Path
 import numpy as np
 from rich.console import Console
 
+from dualcam.common.mistakes import StudyError
 from dualcam.errors import DualcamError
+from dualcam.study.file.study_file import read_study
 from dualcam.study.optimisation.task import Optimisation
-from dualcam.study.problem import StudyError
-from dualcam.study.reading.study_file import read_study
-from dualcam.study.results import read_results
-from dualcam.study.storage import is_url
+from dualcam.study.store.results import read_results
+from dualcam.study.store.storage import is_url
 from dualcam.study.study import Study, say
 
 
@@ -23,22 +23,10 @@ from dualcam.study.study import Study, say
 class Settings:
     """How the studies are run, and where their results go.
 
-    Attributes
-    ----------
-    folder
-        The folder, or URL of a store, that gets one folder for each plan.
-    workers
-        Processes of this machine; 0: in this one; None: one per core, for short studies and
-        optimisations this one.
-    scheduler
-        Address of a Dask scheduler to be used instead.
-    file_format
-        "parquet" or "csv"; None: parquet where pyarrow is installed.
-    figure
-        One picture of all plots; None: one for each plan, beside its results.
-    runs_per_file
-        Runs in a file of results.
-    """
+    `folder`, or URL of a store, gets one folder for each plan. `workers`: processes of this machine; 0: in
+    this one; None: one per core, for short studies and optimisations this one. `scheduler`: address of a Dask
+    scheduler to be used instead. `file_format`: "parquet" or "csv"; None: parquet where pyarrow is installed.
+    `figure`: one picture of all plots; None: one for each plan, beside its results."""
 
     folder: str | Path
     workers: int | None = None
@@ -100,7 +88,7 @@ def read_all(paths: Sequence[Path]) -> dict[Path, Study | Optimisation]:
     DesignFileError
         The only file is a design file with errors.
     """
-    from dualcam.study.optimisation.reading import asks_for_optimum, read_optimisation
+    from dualcam.study.optimisation.file import asks_for_optimum, read_optimisation
 
     if len({path.stem for path in paths}) < len(paths):
         raise StudyError("two plans of the same name would share a folder: rename one")
@@ -130,9 +118,8 @@ def _tell_violations(study: Study, console: Console) -> None:
     """How many runs the constraints concern."""
     if not study.plan.constraints:
         return
-    bad, looked = study.plan.violating()
+    bad, looked, then = study.plan.sampler.violating()
     runs = f"{looked:,}" if looked == study.plan.count else f"the first {looked:,}"
-    then = "drawn again" if study.plan.redraws else "not made"
     if bad:
         say(console, f"{bad:,} of {runs} runs violate a constraint: {then}")
 

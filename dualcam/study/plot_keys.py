@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
-from dualcam.study.entries import NUMBER, TEXT, Kind, hint, problems_of_entries
-from dualcam.study.plan import Plan
-from dualcam.study.readings import Readings
+from dualcam.common.entries import NUMBER, TEXT, Kind, hint, problems_of_entries
+from dualcam.study.plan.plan import Plan
+from dualcam.study.run.results_wanted import Readings
 
 NAMES = TEXT.listed()
 BEST = Kind(
@@ -24,35 +24,33 @@ KINDS = {
 OPTIONAL = {"title", "highlight", "color", "best"}
 
 
-def problems_of_plots(
-    plots: Sequence[Mapping[str, Any]], plan_kind: str | None, known: Collection[str]
-) -> list[str]:
-    """What is wrong with the pictures of a study whose columns are known, one text each.
-
-    `plan_kind` None: the kind of the plan is refused."""
-    return [problem for plot in plots for problem in _problems_of_plot(plot, plan_kind, known)]
+def problems_of_keys(plots: Sequence[Any]) -> list[str]:
+    """What is wrong with the keys of pictures, one text each."""
+    return [problem for plot in plots for problem in _problems_of_keys(plot)]
 
 
-def _problems_of_plot(plot: Mapping[str, Any], plan_kind: str | None, known: Collection[str]) -> list[str]:
+def _problems_of_keys(plot: object) -> list[str]:
     if not isinstance(plot, Mapping):
         return [f"plots with {plot!r}: allowed are tables"]
     kind = plot.get("kind", "")
-    if kind not in list(KINDS):
-        return [f"plot of kind {kind!r}{hint(kind, KINDS) if isinstance(kind, str) else _ALLOWED}"]
+    if not isinstance(kind, str) or kind not in KINDS:
+        return [f"plot of kind {kind!r}{hint(str(kind), KINDS)}"]
     kinds = {"kind": TEXT, "title": TEXT, **KINDS[kind]}
-    found = problems_of_entries(plot, f"plot {kind}", kinds, set(kinds) - OPTIONAL)
-    sound = {key: value for key, value in plot.items() if key in kinds and kinds[key].suits(value)}
-    found += [
-        f"plot {kind}: {name!r} is no column of numbers{hint(name, known)}"
-        for name in columns_of(sound)
+    return problems_of_entries(plot, f"plot {kind}", kinds, set(kinds) - OPTIONAL)
+
+
+def problems_of_columns(plots: Sequence[Mapping[str, Any]], plan: Plan, readings: Readings) -> list[str]:
+    """What is wrong with the columns of pictures whose keys are sound, one text each."""
+    known = columns_to_draw(plan, readings)
+    found = [
+        f"plot {plot['kind']}: {name!r} is no column of numbers{hint(name, known)}"
+        for plot in plots
+        for name in columns_of(plot)
         if name not in known
     ]
-    if kind == "sobol" and plan_kind not in ("indices", None):
-        found.append(f"plot sobol needs a plan of kind indices, this one is of kind {plan_kind}")
+    if plan.kind != "indices" and any(plot["kind"] == "sobol" for plot in plots):
+        found.append(f"plot sobol needs a plan of kind indices, this one is of kind {plan.kind}")
     return found
-
-
-_ALLOWED = f": allowed are {', '.join(KINDS)}"
 
 
 def columns_to_draw(plan: Plan, readings: Readings) -> list[str]:
@@ -64,5 +62,5 @@ def columns_to_draw(plan: Plan, readings: Readings) -> list[str]:
 def columns_of(plot: Mapping[str, Any]) -> list[str]:
     """The columns that a picture shows."""
     single = [plot[key] for key in ("x", "y", "z", "color") if key in plot]
-    lists = [plot[key] for key in ("of", "axes") if NAMES.suits(plot.get(key))]
+    lists = [plot[key] for key in ("of", "axes") if key in plot]
     return [*single, *(name for each in lists for name in each)]

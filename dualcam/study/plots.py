@@ -24,11 +24,11 @@ from matplotlib.collections import LineCollection
 from matplotlib.text import Text
 from numpy.typing import NDArray
 
+from dualcam.common.mistakes import StudyError, refuse
 from dualcam.common.paths import whole_file
 from dualcam.fmi.fmu import Array, Fmu
-from dualcam.study.plot_keys import columns_of, columns_to_draw, problems_of_plots
-from dualcam.study.problem import StudyError, refuse
-from dualcam.study.results import read_results
+from dualcam.study.plot_keys import columns_of, problems_of_columns, problems_of_keys
+from dualcam.study.store.results import read_results
 from dualcam.study.study import Study
 
 DPI = 90
@@ -66,7 +66,8 @@ def draw(studies: Sequence[tuple[Study, str | Path]], path: Path) -> None:
 
 def check(study: Study) -> None:
     """StudyError if a plot asks for what the study does not have: better before the runs than after them."""
-    refuse(problems_of_plots(study.plots, study.plan.kind, columns_to_draw(study.plan, study.readings)))
+    refuse(problems_of_keys(study.plots))
+    refuse(problems_of_columns(study.plots, study.plan, study.readings))
 
 
 def check_file(studies: Sequence[Study], path: Path) -> None:

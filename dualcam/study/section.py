@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from dualcam.study.optimisation.reading import check_search_section, is_search
-from dualcam.study.reading import study_file
+from dualcam.study.file import study_file
+from dualcam.study.optimisation.file import check_search_section, is_search
 
 if TYPE_CHECKING:
     from dualcam.design_file import DesignFile
 
 
-def check_section(design: DesignFile, is_scenario_refused: bool) -> None:
+def check_section(design: DesignFile) -> None:
     """StudyError with all mistakes of the section."""
     check = check_search_section if is_search({"study": design.study}) else study_file.check_section
-    check(design, is_scenario_refused)
+    check(design)

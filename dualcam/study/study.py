@@ -17,18 +17,18 @@ from rich.progress import BarColumn, Progress, ProgressColumn, TextColumn, TimeR
 from rich.progress import Task as Shown
 from rich.text import Text
 
+from dualcam.common.mistakes import StudyError
 from dualcam.fmi.library import MODELS, source_path
 from dualcam.fmi.model_description import Scalar
-from dualcam.study.chunk import Task, Written
-from dualcam.study.execution import workers_for
-from dualcam.study.first_runs import check, takes_less_than
-from dualcam.study.plan import Plan
-from dualcam.study.problem import StudyError
-from dualcam.study.readings import Readings
-from dualcam.study.results import Results, read_results
-from dualcam.study.runner import Job, Runner
-from dualcam.study.scenario import Scenario
-from dualcam.study.store import Store
+from dualcam.scenario.scenario import Scenario
+from dualcam.study.plan.plan import Plan
+from dualcam.study.run.chunk import Task, Written
+from dualcam.study.run.first_runs import check, takes_less_than
+from dualcam.study.run.results_wanted import Readings
+from dualcam.study.run.runner import Job, Runner
+from dualcam.study.run.team import workers_for
+from dualcam.study.store.results import Results, read_results
+from dualcam.study.store.store import Store
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -99,13 +99,7 @@ class Study:
         return Readings(self.results, self.scenario.stop, self.plan.names)
 
     def job(self) -> Job:
-        """What a worker needs for the runs.
-
-        Returns
-        -------
-        Job
-            Path, names, scenario and results.
-        """
+        """What a worker needs for the runs."""
         return Job(
             str(self.path),
             self.plan.names,
@@ -221,13 +215,7 @@ class Study:
         return min(most, max(math.ceil(self.plan.count / CHUNKS_MIN), RUNS_PER_TEXT * texts))
 
     def facts(self) -> dict[str, Any]:
-        """What makes two studies the same: their results could be mixed.
-
-        Returns
-        -------
-        dict
-            Plain data.
-        """
+        """What makes two studies the same: their results could be mixed."""
         return {
             "fmu": hashlib.sha256(self.path.read_bytes()).hexdigest(),
             "plan": self.plan.facts(),

@@ -1,12 +1,12 @@
 /* The standard that this FMU implements, FMI 2.0 or FMI 3.0, as the files fmi2.c and fmi3*.c share it.
  *
- * The room fmi/ holds the functions of FMI 2.0 (fmi2.c), of FMI 3.0 (fmi3*.c) and of both (fmi_shared.c). They translate the names and types
+ * The room fmi/ holds the functions of FMI 2.0 (fmi2.c), of FMI 3.0 (fmi3*.c) and of both (fmi.c). They translate the names and types
  * of the standard. Below them stands what both share: the instance, access to variables, simulation, FMU states. The
  * tables of variables come from variables.def and dependencies.def. No physics stands here: model.h calls forward or
  * inverse dynamics.
  *
  * May include: platform, elementary, numerics, model, geometry, contact, closed_form, collocation, forward, inverse,
- * sensitivity. */
+ * outputs, sensitivity. */
 #ifndef DUALCAM_FMI_H
 #define DUALCAM_FMI_H
 

@@ -26,10 +26,9 @@ const LinearSlipMode *linear_slip_of(const Mechanism *m, int index, LinearSlipMo
     return storage;
 }
 
-const LinearSlipMode *kept_linear_slip(Mechanism *m, int index) {
-    LinearSlipMode *kept = &m->model.linear_slip[index];
-    if (linear_slip_of(m, index, kept) == kept) m->model.linear_slips |= 1u << index;
-    return kept;
+void keep_linear_slip(Mechanism *m, int index) {
+    (void)linear_slip_of(m, index, &m->model.linear_slip[index]);
+    m->model.linear_slips |= 1u << index;
 }
 
 SlipMode slip_mode_from_here(const Mechanism *m, int index) {

@@ -26,8 +26,14 @@ bool is_closed_form(const Mechanism *m);
 /* The coefficients of the closed form of one slip mode: the model's, or, if the model has none, built in *storage. */
 const LinearSlipMode *linear_slip_of(const Mechanism *m, int index, LinearSlipMode *storage);
 
+/* Builds them and keeps them in the model. */
+void keep_linear_slip(Mechanism *m, int index);
+
 /* The same, built at their first use and kept in the model. */
-const LinearSlipMode *kept_linear_slip(Mechanism *m, int index);
+static inline const LinearSlipMode *kept_linear_slip(Mechanism *m, int index) {
+    if ((m->model.linear_slips >> index & 1u) == 0) keep_linear_slip(m, index);
+    return &m->model.linear_slip[index];
+}
 
 /* The start of closed-form slip from the present state. */
 SlipStart slip_start_of(const Mechanism *m, const LinearSlipMode *linear);

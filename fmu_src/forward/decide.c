@@ -13,18 +13,20 @@ bool begins_with_jump(const Candidate *c, int direction) {
     return c->regime == REGIME_RATE_INDEPENDENT && (!(c->stiffness > 0.0) || direction * c->net > c->rounding);
 }
 
-/* From rest the motion points along the slip, to rounding. Along a moving edge of the band only in its direction. */
+/* From rest alpha (without inertia omega) points along the slip, to rounding. Rate-independent: the torque is beyond the
+ * edge of the band, or on it while the edge moves along the slip. */
 static bool points_along(const Candidate *c, int direction) {
     if (c->regime != REGIME_RATE_INDEPENDENT) return direction * c->motion >= -c->rounding;
     return begins_with_jump(c, direction) || (direction * c->net >= -c->rounding && direction * c->motion >= 0.0);
 }
 
+/* Each reaction presses on its flank, to rounding. Without friction both flanks are one: `x` and `size` are zero. */
 static bool bears_on(const Candidate *c, const int flank[2]) {
     return flank[0] * c->x[0] >= -REACTION_ZERO_SHARE * c->size[0] &&
            flank[1] * c->x[1] >= -REACTION_ZERO_SHARE * c->size[1];
 }
 
-/* Does this slip carry the motion? */
+/* Does this slip carry the motion? `possible`: D/Delta > 0. Without inertia each decision is one from rest. */
 static bool carries(const Mechanism *m, int index) {
     const int direction = slip_direction(index);
     int flank[2];
@@ -36,8 +38,8 @@ static bool carries(const Mechanism *m, int index) {
 
 /* ---- the rule ---- */
 
-/* The sign of the axial load when motion in `direction` begins or goes on; where there is none now, of the load that F_ext or
- * the spring makes next. */
+/* The sign of the axial load when motion in `direction` begins or goes on; where there is none now, of the load that F_ext makes
+ * next, or else of the spring's, which has the sign of the movement. */
 static int load_sign(const Mechanism *m, int direction) {
     const double v = has_inertia(&m->params) ? m->configuration.geometry.dz_dtheta * m->state.omega.hi : 0.0;
     const double force = stick_axial_load(m) + damper_force(&m->params.damper, direction, v);
@@ -58,10 +60,10 @@ static int slip_of_rule(int direction, int k, int sign) {
     return slip_index(direction, flank);
 }
 
-/* The slip `first`, then that on the pair that supports the axial load, on its neighbours, on the opposite pair; not those
- * that have ended here. */
+/* The slip `first`, then that on the pair that supports the axial load, with contact 2 on its other flank, with contact 1 on
+ * its other flank, on the opposite pair; not those that a reaction's zero has ended at this place. */
 static Decision slip_or_wedge(const Mechanism *m, int direction, int first) {
-    unsigned tried = m->left_slips;
+    unsigned tried = m->ended_slips;
     for (int k = -1; k < FLANK_PAIR_COUNT; k++) {
         const int index = k < 0 ? first : slip_of_rule(direction, k, load_sign(m, direction));
         if (tried >> index & 1u) continue;
@@ -71,8 +73,7 @@ static Decision slip_or_wedge(const Mechanism *m, int direction, int first) {
     return (Decision){MODE_WEDGED, -1};
 }
 
-/* The first slip that carries an axial load of this sign, x_i = axial_i A, or else `otherwise`. Where a contact locks, the
- * other one bears on its other flank. */
+/* The first slip whose reactions x_i = axial_i A press on its flanks under a load A of this sign, or else `otherwise`. */
 static int slip_under(const Mechanism *m, int direction, int sign, int otherwise) {
     for (int k = 0; k < FLANK_PAIR_COUNT; k++) {
         int flank[2];
@@ -93,10 +94,11 @@ static int next_slip(const Mechanism *m, int direction) {
     if (!m->crossed[0] || !m->crossed[1]) return turned;
     const Candidate present = candidate_of(m, present_slip_index(m));
     const int i = present.axial[0] != 0.0 ? 0 : 1;
-    return slip_under(m, direction, flank[i] * sign_of(present.axial[i]), turned);
+    const int coming_load = flank[i] * sign_of(present.axial[i]);
+    return slip_under(m, direction, coming_load, turned);
 }
 
-/* Where the mechanism has not slipped in this direction before, the pair that supports the axial load comes first. */
+/* Slip goes on with its pair, or the next one. From any other mode the pair that supports the axial load comes first. */
 static Decision slip_on(const Mechanism *m, int direction) {
     const bool goes_on = m->state.mode == slip_mode(direction);
     return slip_or_wedge(m, direction,
@@ -109,6 +111,7 @@ int slip_after_impact(const Mechanism *m, int direction) {
 
 /* ---- the decision ---- */
 
+/* Inside the band: stick, or wedged. Beyond: a stop, slip, or wedged where no pair carries. */
 static Decision decide_at_rest(const Mechanism *m) {
     const int direction = stick_direction_beyond_band(m);
     if (direction == 0) return (Decision){stick_mode(m), -1};
@@ -121,6 +124,7 @@ static Decision decide(const Mechanism *m) {
     return moves ? slip_on(m, sign_of(m->state.omega.hi)) : decide_at_rest(m);
 }
 
+/* In model exchange modes change at events alone. */
 static bool is_decided(const Mechanism *m) {
     return m->continuous ||
            (m->cache.is_decided && memcmp(&m->cache.decided, &m->inputs, sizeof m->cache.decided) == 0);

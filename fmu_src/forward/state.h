@@ -113,7 +113,7 @@ typedef struct {
     int64_t work_limit; /* see work_of_call() */
     bool crossed[2];    /* in a step: the latest segment has ended as x_i passes zero */
     unsigned
-        left_slips; /* in a step: bit k: slip k has ended here as a reaction passed zero; it does not begin again */
+        ended_slips; /* in a step: bit k: slip k has ended here as a reaction passed zero; it does not begin again */
     const char *resources; /* directory from which a table's relative path starts, or NULL; not owned */
     bool continuous;       /* model exchange (ode.h): modes change in mechanism_settle() only */
 } Mechanism;

@@ -100,7 +100,7 @@ static SlipProposal propose_segment(Mechanism *m, double left, EventLocation *lo
 static void note_crossing(Mechanism *m, const Segment *segment, unsigned slip, bool has_moved) {
     for (int i = 0; i < 2; i++) m->crossed[i] = segment->crossed[i];
     const bool crosses = segment->crossed[0] || segment->crossed[1];
-    m->left_slips = crosses && !has_moved ? m->left_slips | slip : 0;
+    m->ended_slips = crosses && !has_moved ? m->ended_slips | slip : 0;
 }
 
 /* Applies the segment, handles its event and updates the run. Returns false if the visitor stops the step. */
@@ -171,7 +171,7 @@ static Outcome go_through(Mechanism *m, StepRun *run) {
     const Outcome outcome = make_segments(m, run);
     m->work = NULL;
     m->crossed[0] = m->crossed[1] = false;
-    m->left_slips = 0;
+    m->ended_slips = 0;
     return work_is_spent(&run->work) ? OUTCOME_TOO_MUCH_WORK : outcome;
 }
 

@@ -41,6 +41,20 @@ def test_bad_periods(period):
             call()
 
 
+def test_dt_is_the_period():
+    """python-control's name for it."""
+    for call in (
+        lambda **given: dualcam.to_nonlinear_io_system(FORWARD, **given),
+        lambda **given: dualcam.linearize(FORWARD, 0.5, 1.0, **given),
+    ):
+        assert call(dt=PERIOD).dt == call(period=PERIOD).dt == PERIOD
+        assert call().dt == 0
+        with refused("dt = -1", "> 0 in s"):
+            call(dt=-1.0)
+        with refused("period = 0.01 and dt = 0.02", "one of them"):
+            call(period=0.01, dt=0.02)
+
+
 def test_bad_rest():
     with refused("rest_speed"):
         dualcam.to_nonlinear_io_system(FORWARD, rest_speed=0.0)

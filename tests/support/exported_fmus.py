@@ -10,7 +10,7 @@ import build_fmu
 import driver
 import driver3
 
-from dualcam.study.scenario import Scenario
+from dualcam.scenario.scenario import Scenario
 
 FOLDERS = {2: "linux64", 3: "x86_64-linux"}
 FACTORY = {(v, d.models[n].identifier): d.models[n] for v, d in ((2, driver), (3, driver3)) for n in d.models}

@@ -15,13 +15,6 @@ from house import circle
 
 MAY_IMPORT = re.compile(r"^May import ([\w., ]+?)\.$", re.MULTILINE)
 NONE, ALL = "no other room", "every other room"
-# The room `scenario` stands in `study`: what is done to the mechanism, used by design files and runs alike.
-SCENARIO = tuple(
-    f"dualcam.study.{name}"
-    for name in ("entries", "history", "problem", "sampling.formula", "scenario", "scenario_check")
-)
-SCENARIO_MAY_IMPORT = "common, fmi"
-OPEN_CIRCLES = "dualcam.study."  # circles inside of it are being opened
 
 
 def imported(tree: ast.Module) -> Iterator[str]:
@@ -58,7 +51,7 @@ def rooms(root: Path) -> dict[str, str]:
             allowed = MAY_IMPORT.search(re.sub(r"(?<=,)\n", " ", ast.get_docstring(parse(path)) or ""))
             if allowed:
                 found[name.removeprefix("dualcam.")] = allowed[1]
-    return found | ({"scenario": SCENARIO_MAY_IMPORT} if "study" in found else {})
+    return found
 
 
 def may_import(root: Path) -> dict[str, set[str]]:
@@ -72,8 +65,6 @@ def may_import(root: Path) -> dict[str, set[str]]:
 
 def room_of(module: str, known: dict[str, set[str]]) -> str:
     """The innermost room of a module, "" for the modules at the top."""
-    if module in SCENARIO:
-        return "scenario"
     parts = module.split(".")[1:]
     inside = [".".join(parts[:k]) for k in range(len(parts), 0, -1)]
     return next((name for name in inside if name in known), "")
@@ -123,11 +114,7 @@ def _upwards(root: Path, allowed: dict[str, set[str]]) -> Iterator[str]:
 
 def check_python_circles(root: Path) -> list[str]:
     """Circles of modules, whether the imports stand at the top or inside functions."""
-    graph = {
-        name: {one for one in others if not (name.startswith(OPEN_CIRCLES) and one.startswith(OPEN_CIRCLES))}
-        for name, others in arrows(root).items()
-    }
-    found = circle(graph)
+    found = circle(arrows(root))
     return [f"circle: {' -> '.join(found)}"] if found else []
 
 

@@ -5,7 +5,7 @@ import pytest
 from driver import models
 
 from dualcam.study import Controller, History, Plan, Scenario, Study, StudyError, Vary, read_results
-from dualcam.study.runner import Runner
+from dualcam.study.run.runner import Runner
 
 FORWARD, INVERSE = (model.fmu for model in models.values())
 DESIGN = {

@@ -121,13 +121,14 @@ def kept_scene(number: int, folder: Path) -> Scene:
 
 
 def inverse_scene(number: int, folder: Path) -> Scene:
-    """An imposed swing beyond the stops; the shaft rigid or elastic."""
+    """An imposed swing between the stops or slightly beyond; the shaft rigid or elastic."""
     rng = np.random.default_rng([3, number])
     scene = random_scene(number, folder, bool(number % 2))
     p = {name: value for name, value in scene.parameters.items() if not name.startswith(FORWARD_ONLY)}
     lower, upper = p.get("stop.lower", 0.0), p.get("stop.upper", 1.3963)
     p["shaft.stiffness"] = float(rng.choice([0.0, 10.0 ** rng.uniform(1.0, 4.0)]))
-    rate, middle, swing = rng.uniform(1.0, 100.0), 0.5 * (lower + upper), 0.51 * (upper - lower)
+    rate, middle, swing = rng.uniform(1.0, 100.0), 0.5 * (lower + upper), 0.5 * (upper - lower)
+    swing *= rng.uniform(0.1, 1.02)
     steps = []
     for t in np.arange(0.0, 6.0, 0.2) / rate:
         wave = [swing * rate**k * math.sin(rate * t + k * math.pi / 2) for k in range(6)]

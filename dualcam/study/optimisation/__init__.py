@@ -16,9 +16,10 @@ percentile. The search (`gradient`, `evolution`, `genetic`) asks for batches of 
 keeps them.
 """
 
+from dualcam.study.optimisation.fields import Deviation, FmuRuns
+from dualcam.study.optimisation.file import read_optimisation
 from dualcam.study.optimisation.optimum import Optimum
-from dualcam.study.optimisation.reading import read_optimisation
 from dualcam.study.optimisation.run import optimise
-from dualcam.study.optimisation.task import Deviation, FmuRuns, Optimisation
+from dualcam.study.optimisation.task import Optimisation
 
 __all__ = ["Deviation", "FmuRuns", "Optimisation", "Optimum", "optimise", "read_optimisation"]

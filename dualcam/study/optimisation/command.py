@@ -9,13 +9,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from dualcam.common.mistakes import StudyError, refuse
 from dualcam.study.optimisation.design_files import fits_design_file, write_design
+from dualcam.study.optimisation.fields import FmuRuns
 from dualcam.study.optimisation.optimum import Optimum
 from dualcam.study.optimisation.page import shown, write_page
 from dualcam.study.optimisation.run import optimise
-from dualcam.study.optimisation.shown import shown as in_words
-from dualcam.study.optimisation.task import FmuRuns, Optimisation
-from dualcam.study.problem import StudyError, refuse
+from dualcam.study.optimisation.task import Optimisation
+from dualcam.study.optimisation.units import shown as in_words
 
 if TYPE_CHECKING:
     from rich.console import Console

@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dualcam.fmi.model_description import Scalar
-from dualcam.study.optimisation.task import Design, FmuRuns, Optimisation
-from dualcam.study.sampling.formula import formula
-from dualcam.study.scenario import History, Scenario
+from dualcam.scenario.formula import formula
+from dualcam.scenario.scenario import History, Scenario
+from dualcam.study.optimisation.fields import Design, FmuRuns
+from dualcam.study.optimisation.task import Optimisation
 
 if TYPE_CHECKING:
     from dualcam.design_file import DesignFile

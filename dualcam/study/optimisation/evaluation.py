@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dualcam.fmi.reals import Array
+from dualcam.study.optimisation.fields import Design, choices, share_of
 from dualcam.study.optimisation.models import Model, open_model, own_values, plan_of
-from dualcam.study.optimisation.task import Design, Optimisation, choices, share_of
-from dualcam.study.plan import Plan
+from dualcam.study.optimisation.task import Optimisation
+from dualcam.study.plan.plan import Plan
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -21,21 +22,13 @@ RUNS_AT_ONCE = 100_000  # so that memory does not grow with designs times sample
 
 
 @dataclass
-class Batch:
-    """Some designs and what they gave. NaN throughout for a design that failed, whose message says why.
+class EvaluatedDesigns:
+    """Some designs and what they gave. NaN throughout for a design that failed, whose message, by its place,
+    says why.
 
-    Attributes
-    ----------
-    shares
-        Designs, as shares of the bounds, shape (designs, designed values).
-    results
-        Results of the parts exactly as designed, shape (designs, results).
-    objectives, constraints
-        Values, of parts as made the percentile, shape (designs, objectives) and (designs, constraints). A
-        constraint with two limits has two columns.
-    messages
-        By the place of the design.
-    """
+    `shares` of the bounds, shape (designs, designed values); `results` of the parts exactly as designed;
+    `objectives` and `constraints` of parts as made the percentile, where a constraint with two limits has two
+    columns."""
 
     shares: Array
     results: Array
@@ -44,7 +37,7 @@ class Batch:
     messages: dict[int, str]
 
 
-class Evaluator:
+class DesignEvaluator:
     """Evaluates designs of a task."""
 
     def __init__(self, task: Optimisation, workers: int = 0, scheduler: str | Client | None = None) -> None:
@@ -78,7 +71,7 @@ class Evaluator:
 
     def rows(self, shares: Array) -> Array:
         """Values of the parts exactly as designed, columns in the order of the plan's names."""
-        return self.plan.completed(self._designed(shares))
+        return self.plan.sampler.completed(self._designed(shares))
 
     def design(self, shares: Array) -> Design:
         """Values of one design by name, without those that only happen."""
@@ -107,11 +100,11 @@ class Evaluator:
         if len(self._deviations):
             parts[:, 1:] = np.where(self._chance, 0.0, parts[:, 1:]) + self._deviations
         count, copies, width = parts.shape
-        return self.plan.completed(parts.reshape(count * copies, width)).reshape(count, copies, -1)
+        return self.plan.sampler.completed(parts.reshape(count * copies, width)).reshape(count, copies, -1)
 
     # ---- evaluation ----
 
-    def evaluate(self, shares: Array) -> Batch:
+    def evaluate(self, shares: Array) -> EvaluatedDesigns:
         """Objectives and constraints of designs, shape (designs, designed values)."""
         size = max(1, RUNS_AT_ONCE // (1 + len(self._deviations)))
         parts = [self._evaluate(shares[k : k + size]) for k in range(0, len(shares), size)]
@@ -122,9 +115,9 @@ class Evaluator:
             np.concatenate([getattr(part, name) for part in parts])
             for name in ("results", "objectives", "constraints")
         )
-        return Batch(shares, results, objectives, constraints, messages)
+        return EvaluatedDesigns(shares, results, objectives, constraints, messages)
 
-    def _evaluate(self, shares: Array) -> Batch:
+    def _evaluate(self, shares: Array) -> EvaluatedDesigns:
         made = self.made(shares)
         count, copies, width = made.shape
         block = self._model(made.reshape(count * copies, width))
@@ -141,7 +134,7 @@ class Evaluator:
         messages = _messages(block.messages, copies, objectives, constraints)
         for place in messages:
             objectives[place] = constraints[place] = math.nan
-        return Batch(shares, results[:, 0], objectives, constraints, messages)
+        return EvaluatedDesigns(shares, results[:, 0], objectives, constraints, messages)
 
     def _value(self, text: str, known: Mapping[str, Array], sign: float) -> Array:
         """The formula's value of each design; `sign` 1: less is better."""

@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
+from dualcam.common.mistakes import StudyError
 from dualcam.fmi.reals import Array
 from dualcam.study.optimisation.evolution import first_designs
 from dualcam.study.optimisation.optimum import unbeaten
 from dualcam.study.optimisation.search import TOLERANCE, Search
-from dualcam.study.problem import StudyError
 
 FAILED = 1e3  # violation of a failed design, in limits
 WORST = 1e30  # objective of a failed design

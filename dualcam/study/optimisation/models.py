@@ -14,16 +14,17 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
+from dualcam.common.entries import hint
+from dualcam.common.mistakes import StudyError, refuse
 from dualcam.errors import DualcamError
 from dualcam.fmi.library import source_path
 from dualcam.fmi.model_description import read_model_description
 from dualcam.fmi.reals import Array
-from dualcam.study.entries import hint
-from dualcam.study.evaluator import Evaluator as StudyRuns
-from dualcam.study.optimisation.task import Design, FmuRuns, Function, Optimisation
-from dualcam.study.plan import Plan
-from dualcam.study.problem import StudyError, refuse
-from dualcam.study.runner import Block
+from dualcam.study.optimisation.fields import Design, FmuRuns, Function
+from dualcam.study.optimisation.task import Optimisation
+from dualcam.study.plan.plan import Plan
+from dualcam.study.run.evaluator import Evaluator
+from dualcam.study.run.runner import Block
 from dualcam.study.study import Study
 
 if TYPE_CHECKING:
@@ -68,7 +69,7 @@ def open_model(
     if isinstance(task.model, FmuRuns):
         fixed = {name: value for name, value in task.model.parameters.items() if name not in plan.names}
         study = Study(source_path(task.model.fmu), plan, task.model.scenario, task.read, fixed)
-        return StudyRuns(study, workers, scheduler)
+        return Evaluator(study, workers, scheduler)
     if scheduler is not None:
         raise StudyError("a scheduler makes runs of an FMU: a function as the model has workers alone")
     return FunctionModel(task.model, plan, task.read, workers)

@@ -12,7 +12,8 @@ import numpy as np
 from dualcam.fmi.reals import Array
 
 if TYPE_CHECKING:
-    from dualcam.study.optimisation.task import Design, Optimisation
+    from dualcam.study.optimisation.fields import Design
+    from dualcam.study.optimisation.task import Optimisation
 
 ACTIVE = 1e-3  # a bound or a limit that is nearer than this share of the range or of the limit is active
 
@@ -88,12 +89,7 @@ class Optimum:
         return [text for text in self.active if not text.startswith(idle)]
 
     def idle_words(self) -> list[str]:
-        """One sentence for each name in `without_influence`.
-
-        Returns
-        -------
-        list of str
-        """
+        """One sentence for each name in `without_influence`."""
         limits = "; any value that keeps the constraints is as good" if self.task.constraints else ""
         return [f"{name} has no influence on the goal{limits}" for name in self.without_influence]
 

@@ -14,9 +14,9 @@ from dualcam.common.html_page import page, table
 from dualcam.common.svg import figure_element
 from dualcam.report.inputs import USUAL
 from dualcam.study.optimisation.design_files import fits_design_file
+from dualcam.study.optimisation.fields import share_of
 from dualcam.study.optimisation.optimum import ACTIVE, Optimum
-from dualcam.study.optimisation.shown import DIGITS, shown_bounds, unit_of, units_of
-from dualcam.study.optimisation.task import share_of
+from dualcam.study.optimisation.units import DIGITS, shown_bounds, unit_of, units_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -18,11 +18,11 @@ from typing import Any
 import numpy as np
 from filelock import FileLock
 
+from dualcam.common.mistakes import StudyError
 from dualcam.fmi.reals import Array
-from dualcam.study.chunk import checksum
-from dualcam.study.optimisation.evaluation import Batch
-from dualcam.study.problem import StudyError
-from dualcam.study.storage import Folder, locked
+from dualcam.study.optimisation.evaluation import EvaluatedDesigns
+from dualcam.study.run.chunk import checksum
+from dualcam.study.store.storage import Folder, locked
 
 FACTS = "optimisation.json"
 BATCHES = "evaluations.jsonl"
@@ -34,7 +34,7 @@ class Record:
     def __init__(self, folder: Path | None, facts: dict[str, Any], versions: dict[str, str]) -> None:
         """StudyError if the folder holds another search, or cannot be written."""
         self._folder = folder
-        self._known: Iterator[Batch] = iter(())
+        self._known: Iterator[EvaluatedDesigns] = iter(())
         self.resumed = 0  # designs on disk
         self._lock: FileLock | None = None
         if folder is None:
@@ -76,7 +76,7 @@ class Record:
         text = json.dumps({"task": facts, "versions": versions}, indent=1)
         Folder(folder).write(FACTS, text.encode())
 
-    def _read(self, path: Path) -> list[Batch]:
+    def _read(self, path: Path) -> list[EvaluatedDesigns]:
         """All whole lines; what follows them is cut off."""
         if not path.exists():
             return []
@@ -92,7 +92,7 @@ class Record:
                 file.truncate(end)
         return batches
 
-    def next_known(self, shares: Array) -> Batch | None:
+    def next_known(self, shares: Array) -> EvaluatedDesigns | None:
         """The next batch on disk, which must be that of these designs; None if there is no more."""
         batch = next(self._known, None)
         if batch is not None and not np.array_equal(batch.shares, shares):
@@ -102,7 +102,7 @@ class Record:
             )
         return batch
 
-    def append(self, batch: Batch) -> None:
+    def append(self, batch: EvaluatedDesigns) -> None:
         """Keep a batch. StudyError if the disk does not take it."""
         if self._folder is None:
             return
@@ -119,7 +119,7 @@ class Record:
             ) from error
 
 
-def _line(batch: Batch) -> bytes:
+def _line(batch: EvaluatedDesigns) -> bytes:
     arrays = {
         name: getattr(batch, name).tolist() for name in ("shares", "results", "objectives", "constraints")
     }
@@ -127,7 +127,7 @@ def _line(batch: Batch) -> bytes:
     return b"%s %s\n" % (checksum(text).encode(), text)
 
 
-def _parsed(line: bytes) -> Batch | None:
+def _parsed(line: bytes) -> EvaluatedDesigns | None:
     """None for a line that is not as it was written."""
     mark, _, text = line.rstrip(b"\n").partition(b" ")
     with suppress(ValueError):
@@ -139,5 +139,5 @@ def _parsed(line: bytes) -> Batch | None:
                 for name in ("shares", "results", "objectives", "constraints")
             )
             messages = {int(place): text for place, text in read["messages"].items()}
-            return Batch(shares, results, objectives, constraints, messages)
+            return EvaluatedDesigns(shares, results, objectives, constraints, messages)
     return None

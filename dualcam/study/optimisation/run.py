@@ -15,17 +15,18 @@ from numpy.typing import NDArray
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
+from dualcam.common.entries import is_whole
+from dualcam.common.mistakes import StudyError
 from dualcam.fmi.library import source_path
 from dualcam.fmi.reals import Array
-from dualcam.study.entries import is_whole
 from dualcam.study.optimisation import evolution, genetic, gradient
-from dualcam.study.optimisation.evaluation import Evaluator
+from dualcam.study.optimisation.evaluation import DesignEvaluator
+from dualcam.study.optimisation.fields import FmuRuns
 from dualcam.study.optimisation.optimum import ACTIVE, Optimum, unbeaten
 from dualcam.study.optimisation.record import Record
 from dualcam.study.optimisation.search import BudgetSpent, Search
-from dualcam.study.optimisation.shown import shown
-from dualcam.study.optimisation.task import FmuRuns, Optimisation
-from dualcam.study.problem import StudyError
+from dualcam.study.optimisation.task import Optimisation
+from dualcam.study.optimisation.units import shown
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -89,7 +90,7 @@ def optimise(
     if task.method_used == "nsga2":
         genetic.load()
     place = None if folder is None else Path(folder)
-    with closing(Evaluator(task, workers, scheduler)) as evaluator:
+    with closing(DesignEvaluator(task, workers, scheduler)) as evaluator:
         record = Record(place, facts(task), _versions(task))
         with closing(record), _progress(console, task, record.resumed) as on_batch:
             search = Search(evaluator, record, on_batch)

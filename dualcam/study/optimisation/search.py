@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dualcam.fmi.reals import Array
-from dualcam.study.optimisation.evaluation import Batch, Evaluator
+from dualcam.study.optimisation.evaluation import DesignEvaluator, EvaluatedDesigns
 from dualcam.study.optimisation.record import Record
 
 TOLERANCE = 1e-6  # relative: a constraint that is missed by less is kept, as by the last digits of a search
@@ -31,7 +31,10 @@ class Search:
     """Evaluates designs for a method, each once, until the budget is spent."""
 
     def __init__(
-        self, evaluator: Evaluator, record: Record, on_batch: Callable[[Search], None] = lambda search: None
+        self,
+        evaluator: DesignEvaluator,
+        record: Record,
+        on_batch: Callable[[Search], None] = lambda search: None,
     ) -> None:
         self.evaluator, self.task, self._record, self._on_batch = evaluator, evaluator.task, record, on_batch
         ways = [1.0 if way == "minimise" else -1.0 for way in self.task.objectives.values()]
@@ -40,7 +43,7 @@ class Search:
         self._limits = np.array([limit for _, _, limit in evaluator.limits])
         self._scales = np.where(self._limits != 0.0, np.abs(self._limits), 1.0)
         self._places: dict[bytes, int] = {}
-        self.batches: list[Batch] = []
+        self.batches: list[EvaluatedDesigns] = []
         self.losses: list[Array] = []  # of each design
         self.excess: list[Array] = []
         self.history: list[tuple[int, float]] = []  # designs so far, best loss that keeps all constraints

@@ -15,6 +15,7 @@ from scipy.optimize import brentq
 from .flow import Slide, first_crossing, value
 from .mechanics import PAIRS, ROUNDING, Mechanism, Motion, Pair, Place, Unresolved
 
+NEVER = -1e300
 STICK, LOADING, RELEASING, LOWER_STOP, UPPER_STOP, WEDGED = range(1, 7)
 MOST_EVENTS = 2000
 SAMPLES = 16  # cells in which a stick's end is looked for
@@ -180,8 +181,12 @@ class Simulation:
             moved = self.omega != 0
             self.slide, self.omega = None, 0.0
             self._set_mode(WEDGED)
-            if moved:  # the rule begins anew, from rest
-                self._rest_or_leave(t)
+            if moved:  # the rule begins anew, from rest; where F_0 turns, its coming sign counts
+                side, mode = self._side_at_rest(t + 1e-9 * self.duration)
+                if side == 0:
+                    self._set_mode(mode)
+                else:
+                    self._leave(t, side)
             return
         self.slide = Slide(self.mechanism, sigma, e, self.tau, self.f_ext)
         self._set_mode(self._moving_mode(sigma))
@@ -264,13 +269,15 @@ class Simulation:
             return (0, UPPER_STOP) if self.theta >= mech.upper else (1, 0)
         if release < -near:
             return (0, LOWER_STOP) if self.theta <= mech.lower else (-1, 0)
-        return 0, WEDGED if self._into_lock(k, t) > near else STICK
+        into, soon = (self._into_lock(k, time) for time in (t, t + 1e-9 * self.duration))
+        wedged = into > near or (abs(into) <= near and soon > max(into, 0.0))  # its rate decides a tie
+        return 0, WEDGED if wedged else STICK
 
     def _into_lock(self, k: Place, t: float) -> float:
-        """The torque beyond the frictionless one toward an infinite edge of the band; -inf: no edge is."""
+        """The torque beyond the frictionless one toward an infinite edge of the band; NEVER: no edge is."""
         load, release = self._gaps(k, t)
         towards = value(self.tau, t) - k.dz * (self.mechanism.spring_force(k.z) + value(self.f_ext, t))
-        return max(towards if load == math.inf else -math.inf, -towards if release == math.inf else -math.inf)
+        return max(towards if load == math.inf else NEVER, -towards if release == math.inf else NEVER)
 
     def _rest_or_leave(self, t: float) -> None:
         sigma, mode = self._side_at_rest(t)
@@ -290,6 +297,7 @@ class Simulation:
         k, mech = self.mechanism.at(self.theta), self.mechanism
         if max(len(self.tau), len(self.f_ext)) == 1:
             return self.duration
+        near = 1e-12 * self._torque_size(k, t)
         if self.mode in (UPPER_STOP, LOWER_STOP):
             sign = 1 if self.mode == UPPER_STOP else -1
 
@@ -299,13 +307,12 @@ class Simulation:
 
             def held(time: float) -> tuple[float, ...]:
                 into = self._into_lock(k, time)
-                return *self._gaps(k, time), into if self.mode == WEDGED else -into
+                return *self._gaps(k, time), near + (into if self.mode == WEDGED else -into)
 
         row: Sequence[float] = held(t)
         width = (self.duration - t) / SAMPLES
         if self.mode == WEDGED and min(row[:2]) < 0:
             return self.duration
-        near = 1e-12 * self._torque_size(k, t)
         row = tuple(0.0 if abs(gap) <= near else gap for gap in row)
         for cell in range(SAMPLES):
             end = self.duration if cell == SAMPLES - 1 else t + (cell + 1) * width

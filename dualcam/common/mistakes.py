@@ -1,0 +1,89 @@
+"""What is wrong with a study: all mistakes of a stage at once.
+
+The stages are the schema of a file, the values in it, and what the FMU says. A later one begins where the one
+before finds nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, TypeVar
+
+from dualcam.errors import DualcamError, FmuError
+
+Made = TypeVar("Made")
+
+
+class StudyError(FmuError):
+    """This study cannot be made, or not be continued; the message says what to do.
+
+    Attributes
+    ----------
+    problems : tuple of str
+        All that is wrong, one text each; a single one for most errors.
+    """
+
+    def __init__(self, message: str, problems: Sequence[str] = ()) -> None:
+        super().__init__(message)
+        self.problems = tuple(problems) or (message,)
+
+    def __reduce__(self) -> tuple[type[StudyError], tuple[str, tuple[str, ...]]]:
+        return type(self), (str(self), self.problems)
+
+
+class Findings:
+    """All that is wrong in one stage of the checks of a study.
+
+    Examples
+    --------
+    >>> from dualcam.common.mistakes import Findings
+    >>> findings = Findings()
+    >>> findings.attempt(float, "0.5"), findings.problems
+    (0.5, [])
+    """
+
+    def __init__(self) -> None:
+        self.problems: list[str] = []
+
+    def note(self, *problems: str) -> None:
+        self.problems += [text for text in problems if text not in self.problems]
+
+    def attempt(self, function: Callable[..., Made], *arguments: Any, **named: Any) -> Made | None:  # noqa: ANN401
+        """What the function gives; None, and its problems, if the call is refused."""
+        try:
+            return function(*arguments, **named)
+        except StudyError as error:
+            self.note(*error.problems)
+        except DualcamError as error:
+            self.note(str(error))
+        return None
+
+    def refuse(self) -> None:
+        """StudyError with all problems at once, if there are any."""
+        refuse(self.problems)
+
+
+@contextmanager
+def told_of(path: Path) -> Iterator[None]:
+    """What is refused within is said of this file."""
+    try:
+        yield
+    except StudyError as error:
+        problems = error.problems
+    else:
+        return
+    refuse(problems, str(path))
+
+
+def refuse(problems: Iterable[str], where: str = "") -> None:
+    """StudyError with all problems at once, if there are any.
+
+    `where` names the file, and stands before all of them."""
+    found = list(dict.fromkeys(problems))
+    if not found:
+        return
+    before = f"{where}: " if where else ""
+    if len(found) == 1:
+        raise StudyError(before + found[0], found)
+    raise StudyError("\n".join([f"{before}{len(found)} mistakes", *(f"  {text}" for text in found)]), found)

@@ -1,0 +1,1 @@
+"""Which values the runs have: distributions, correlation, arrangements, constraints, and their rows."""

@@ -1,0 +1,272 @@
+"""Steps of runs as numbers in one buffer: runs of the same steps differ in these numbers alone.
+
+The FMI calls of a run are laid out once for each arrangement of steps, on the views of a buffer. A row of the
+plan is then a line of numbers that is copied into the buffer before the first call."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from ctypes import c_double, sizeof
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dualcam.common.mistakes import StudyError
+from dualcam.fmi.reals import Array
+from dualcam.scenario.formula import formula
+from dualcam.scenario.history import History, Number, names_in, numbers_in
+from dualcam.scenario.scenario import Scenario, Step, instants
+from dualcam.study.plan.texts import Texts
+from dualcam.study.run.row_values import values_of
+from dualcam.study.run.step_times import AT_ONE_INSTANT, FIRST, has_points, steps_of_rows
+
+Key = tuple[Any, ...]
+
+
+@dataclass(frozen=True)
+class Arrangement:
+    """Which calls the steps make, and the views on their numbers: times, sizes, inputs and their rates.
+
+    `steps` are those of one run. `read_after` has for each result the step after which it is read; -1: before
+    the first step."""
+
+    steps: tuple[Step, ...]
+    read_after: tuple[int, ...]
+
+    @cached_property
+    def buffer(self) -> Any:  # noqa: ANN401
+        """The numbers, an array of c_double."""
+        numbers = numbers_of(self.steps)
+        return (c_double * len(numbers))(*numbers)
+
+    @cached_property
+    def key(self) -> Key:
+        """Equal for runs that make the same calls."""
+        return key_of(self.steps, self.read_after)
+
+    def view(self, place: int, part: str) -> Any:  # noqa: ANN401
+        """The numbers of a step as C has them, a view on `buffer`: "time", "size", "values" or "rates"."""
+        start = sum(_length(step) for step in self.steps[:place])
+        step = self.steps[place]
+        at, count = {
+            "time": (0, 0),
+            "size": (1, 0),
+            "values": (2, len(step.values)),
+            "rates": (2 + len(step.values), len(step.rates)),
+        }[part]
+        kind = c_double * count if part in ("values", "rates") else c_double
+        return kind.from_buffer(self.buffer, (start + at) * sizeof(c_double))
+
+
+def _length(step: Step) -> int:
+    return 2 + len(step.values) + len(step.rates)
+
+
+def numbers_of(steps: Sequence[Step]) -> list[float]:
+    """The numbers of all steps, one after another."""
+    found: list[float] = []
+    for step in steps:
+        found += [step.time, step.size, *step.values.values(), *step.rates.values()]
+    return found
+
+
+def key_of(steps: Sequence[Step], read_after: Sequence[int]) -> Key:
+    """Equal for runs that make the same calls."""
+    return tuple(read_after), tuple((step.control, tuple(step.values), tuple(step.rates)) for step in steps)
+
+
+@dataclass(frozen=True)
+class Group:
+    """Runs of one arrangement: their places among the rows, and a line of numbers for each."""
+
+    arrangement: Arrangement
+    places: NDArray[np.intp]
+    numbers: Array
+
+
+class StepNumbers:
+    """The steps of the runs of a scenario, for rows with columns of these names, whose texts are places.
+
+    `interpolates`: whether the FMU takes derivatives of inputs. `fixed`: whether it needs steps of one
+    length."""
+
+    def __init__(
+        self,
+        scenario: Scenario,
+        results: Sequence[str],
+        names: Sequence[str],
+        texts: Mapping[str, Texts],
+        interpolates: bool,
+        fixed: bool,
+    ) -> None:
+        self.scenario, self.results, self.names, self.texts = scenario, results, names, texts
+        self._interpolates, self._fixed = interpolates, fixed
+
+    def arrangement(self, scenario: Scenario) -> Arrangement:
+        """The steps of a scenario without formulas."""
+        return Arrangement(*self._steps(scenario))
+
+    def _steps(self, scenario: Scenario) -> tuple[tuple[Step, ...], tuple[int, ...]]:
+        wanted = [time for _, time in instants(self.results, scenario.stop)]
+        steps = scenario.steps(sorted(set(wanted)), self._interpolates, self._fixed)
+        ends = np.array([step.time + step.size for step in steps])
+        margins = AT_ONE_INSTANT * np.array([step.size for step in steps])
+        read_after = []
+        for time in wanted:
+            near = np.flatnonzero(np.abs(ends - time) <= margins)
+            read_after.append(FIRST if time == 0.0 else int(near[0]))
+        return tuple(steps), tuple(read_after)
+
+    def groups(self, rows: Array) -> tuple[list[Group], dict[int, str]]:
+        """The runs of rows as of `Plan.rows` by their arrangements, and by their places those that are no
+        scenario: why."""
+        if self._is_linear:
+            return self._linear_group(rows)
+        if has_points(self.scenario, self._interpolates, self._fixed):
+            return self._groups_by_points(rows)
+        columns = [self.names.index(name) for name in self.scenario.names]
+        different, which = np.unique(rows[:, columns], axis=0, return_inverse=True)
+        first = np.zeros(len(different), int)
+        first[which[::-1]] = np.arange(len(rows))[::-1]
+        by_key: dict[Key, tuple[Arrangement, list[int], list[list[float]]]] = {}
+        failed: dict[int, str] = {}
+        for place, line in enumerate(first):
+            try:
+                steps, read_after = self._steps(self._scenario_of(rows[line]))
+            except StudyError as error:
+                failed |= dict.fromkeys(np.flatnonzero(which == place).tolist(), "; ".join(error.problems))
+                continue
+            key = key_of(steps, read_after)
+            entry = by_key.setdefault(key, (Arrangement(steps, read_after), [], []))
+            entry[1].append(place)
+            entry[2].append(numbers_of(steps))
+        groups = []
+        for arrangement, members, numbers in by_key.values():
+            order = np.full(len(different), -1)
+            order[members] = np.arange(len(members))
+            places = np.flatnonzero(order[which] >= 0)
+            groups.append(Group(arrangement, places, np.array(numbers)[order[which[places]]]))
+        return groups, failed
+
+    def _scenario_of(self, row: Array) -> Scenario:
+        return self.scenario.at(values_of(self.names, row, self.texts))
+
+    def law_arguments(self, rows: Array) -> Array:
+        """The numbers of the controller's arguments for each row, in their order; of texts their places."""
+        control = self.scenario.controller
+        assert control is not None
+        columns = dict(zip(self.names, rows.T, strict=True))
+        found = [
+            formula(each).numbers(columns, len(rows)) if isinstance(each, str) else np.full(len(rows), each)
+            for each in control.arguments.values()
+        ]
+        return np.column_stack(found) if found else np.empty((len(rows), 0))
+
+    # ---- many runs at once ----
+
+    @cached_property
+    def _is_linear(self) -> bool:
+        """Whether the steps are at the same times in all runs: values of inputs alone are formulas. All
+        numbers are then linear in those values, so that one matrix gives the numbers of all runs."""
+        scenario = self.scenario
+        fixed = [each for each in (scenario.stop, scenario.step) if each is not None]
+        fixed += [scenario.controller.period] if scenario.controller else []
+        for history in scenario.inputs.values():
+            fixed += [*history.time, history.frequency, history.phase]
+        return not names_in(fixed)
+
+    @cached_property
+    def _formulas(self) -> list[str]:
+        """Of the values of inputs, each once: equal ones keep a step without a slope."""
+        found: list[str] = []
+
+        def note(text: str) -> float:
+            found.append(text)
+            return 0.0
+
+        self._replaced(note, float)
+        return list(dict.fromkeys(found))
+
+    def _replaced(
+        self, of_formula: Callable[[str], float], of_number: Callable[[float], float]
+    ) -> dict[str, History]:
+        """The inputs with other values."""
+
+        def other(number: Number) -> float:
+            return of_formula(number) if isinstance(number, str) else of_number(float(number))
+
+        return {
+            name: replace(
+                history,
+                value=[other(number) for number in history.value],
+                mean=other(history.mean),
+                amplitude=other(history.amplitude),
+            )
+            for name, history in self.scenario.inputs.items()
+        }
+
+    @cached_property
+    def _line_and_matrix(self) -> tuple[Arrangement, Array, Array]:
+        """The arrangement, the numbers where all formulas are 0, and what each formula adds for 1."""
+        samples = [self._sample(self._replaced(lambda text: 0.0, float))]
+        for wanted in self._formulas:
+
+            def unit(text: str, one: str = wanted) -> float:
+                return float(text == one)
+
+            samples.append(self._sample(self._replaced(unit, lambda number: 0.0)))
+        rates = [
+            list(dict.fromkeys(key for sample in samples for key in sample[0][k].rates))
+            for k in range(len(samples[0][0]))
+        ]
+        whole = [
+            [
+                replace(step, rates={key: step.rates.get(key, 0.0) for key in keys})
+                for step, keys in zip(steps, rates, strict=True)
+            ]
+            for steps, _ in samples
+        ]
+        line = np.array(numbers_of(whole[0]))
+        added = [[replace(step, time=0.0, size=0.0) for step in steps] for steps in whole[1:]]
+        matrix = np.array([numbers_of(steps) for steps in added]).reshape(len(added), len(line))
+        return Arrangement(tuple(whole[0]), samples[0][1]), line, matrix
+
+    def _sample(self, inputs: Mapping[str, History]) -> tuple[tuple[Step, ...], tuple[int, ...]]:
+        control = self.scenario.controller
+        still = replace(control, arguments={}) if control else None
+        return self._steps(replace(self.scenario, inputs=inputs, controller=still))
+
+    def _linear_group(self, rows: Array) -> tuple[list[Group], dict[int, str]]:
+        arrangement, line, matrix = self._line_and_matrix
+        columns = dict(zip(self.names, rows.T, strict=True))
+        values = [formula(text).numbers(columns, len(rows)) for text in self._formulas]
+        numbers = np.tile(line, (len(rows), 1))
+        if values:
+            numbers += np.column_stack(values) @ matrix
+        finite = np.all(np.isfinite(numbers), axis=1)
+        failed = {int(place): self._why_not(rows[place]) for place in np.flatnonzero(~finite)}
+        places = np.flatnonzero(finite)
+        return [Group(arrangement, places, numbers[places])], failed
+
+    def _groups_by_points(self, rows: Array) -> tuple[list[Group], dict[int, str]]:
+        columns = dict(zip(self.names, rows.T, strict=True))
+
+        def evaluate(number: Number) -> Array:
+            return numbers_in(number, columns, len(rows))
+
+        found, refused = steps_of_rows(self.scenario, self.results, evaluate, len(rows))
+        failed = {int(place): self._why_not(rows[place]) for place in refused}
+        groups = [
+            Group(Arrangement(each.steps, each.read_after), each.places, each.numbers) for each in found
+        ]
+        return groups, failed
+
+    def _why_not(self, row: Array) -> str:
+        try:
+            self._steps(self._scenario_of(row))
+        except StudyError as error:
+            return "; ".join(error.problems)
+        return "scenario: a number of an input is not finite"

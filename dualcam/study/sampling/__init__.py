@@ -1,1 +1,0 @@
-"""How the values of the runs are drawn: distributions, correlation, arrangements, formulas."""
