@@ -165,8 +165,8 @@ def _misses(fewer: tuple[Array, Array], angle: Array, value: Array) -> Array:
 def _judge_noise(angle: Array, value: Array) -> None:
     """DesignError, or a warning, for samples whose noise bends the torque more than the torque itself bends.
 
-    Noise e of samples at a distance h gives the second derivative e/h^2; that of a torque T over the range L is
-    about T/L^2. So the noise allows sqrt(T/e) intervals. Half of the samples miss the others by about e. The
+    Noise e of samples at a distance h has the second derivative e/h^2, a torque T over the range L about
+    T/L^2. So the noise allows sqrt(T/e) intervals. Half of the samples miss the others by about e. The
     median over parts of the range leaves out kinks."""
     squares = _misses(_half(angle, value), angle, value) ** 2
     parts = np.array_split(squares, min(PARTS, len(angle) // 4))
