@@ -17,7 +17,7 @@ import click
 from dualcam.cli.check import tell_findings
 from dualcam.cli.groove_export import GrooveExport, export_options
 from dualcam.cli.options import anyway, as_json, design_file, example, judge, output_file
-from dualcam.cli.output import count, keep_files_of, print_json, refuse_to_overwrite, say, warn
+from dualcam.cli.output import count, keep_files_of, print_json, refuse_to_overwrite, say, warn, warnings_said
 from dualcam.errors import DesignError, DualcamWarning
 
 if TYPE_CHECKING:
@@ -106,6 +106,7 @@ def command(
     wanted = None if torque is None else _wanted(torque)
     _keep_inputs(design, wanted, cams, output, *exported.written_files)
     found = None if wanted is None else _designed(given, wanted, direction, keeps_groove2)
+    doubts = tuple(warnings_said())
     with _with_groove(design, found, cams) as judged:
         if exported.files:
             judge(judged, anyway, as_json)
@@ -128,6 +129,8 @@ def command(
         exported.say_written(design, mechanism)
     if verdict is not None:
         _tell(verdict, design_file)
+        for doubt in doubts:
+            say(f"But first clear up this warning: {doubt}")
 
 
 def _keep_inputs(

@@ -27,10 +27,15 @@ def count(number: int, what: str) -> str:
     return f"{number} {what}{'s' if number != 1 else ''}"
 
 
+def warnings_said() -> list[str]:
+    """The warnings of this command so far."""
+    context = click.get_current_context(silent=True)
+    return [] if context is None else context.meta.setdefault("dualcam.warnings", list[str]())
+
+
 def warn(text: str) -> None:
     """A warning on stderr; once, also where several parts of a command find the same."""
-    context = click.get_current_context(silent=True)
-    said = [] if context is None else context.meta.setdefault("dualcam.warnings", list[str]())
+    said = warnings_said()
     if not any(text in earlier for earlier in said):
         said.append(text)
         click.echo(f"dualcam: warning: {text}", err=True)
