@@ -149,7 +149,8 @@ def _verdict(design: DesignFile) -> Verdict:
     for warning in design.warnings:
         warn(f"{design.path}: {warning}")
     verdict = check_design(design)
-    others = tuple(one for one in verdict.findings if one not in design.warnings)
+    # the cams of a new groove are not swapped
+    others = tuple(one for one in verdict.findings if one not in design.warnings and one.kind != "swapped")
     return replace(verdict, findings=others)
 
 
@@ -223,6 +224,11 @@ def _keeps_groove2(mechanism: Mechanism, groove2: str | None) -> bool:
 def _designed(mechanism: Mechanism, wanted: float | Path, direction: str, keeps_groove2: bool) -> Design:
     from dualcam.design import design_groove
 
+    if mechanism.lower < 0.0:
+        raise DesignError(
+            f"stop.lower = {mechanism.lower:.6g} rad: allowed is 0 or more with --torque, since the groove"
+            " begins at theta = 0"
+        )
     if any(mechanism.load_laws):
         mu1, mu2 = mechanism.friction
         text = f"the groove takes friction {mu1:.4g} and {mu2:.4g}, without the dependence on the load"

@@ -203,7 +203,7 @@ def _warn_of_unit(name: str, values: Array) -> None:
 
 def _lines(text: str, separator: str | None, example: str) -> tuple[Lines, Lines, str | None]:
     """Lines with content, comments, and the separator that is given or that a first line gives."""
-    lines, comments = lines_of(text)
+    lines, comments = lines_of(text.replace("\u2212", "-"))  # the minus sign of word processors
     written, left = without_separator_line(lines)
     if not len(left) and not len(comments):
         raise TableError(f"the file is empty: line 1 must be a header such as {example}")
