@@ -18,7 +18,7 @@ Torque = Callable[[Array], Array]  # N.m, at theta [rad], of the shape of theta
 WantedTorque = float | Torque | tuple[ArrayLike, ArrayLike]
 ROUNDED = 1e-4  # rad: samples may end this much before the range, as 80 deg and 1.3963 rad differ by 4e-5
 ENOUGH = 200  # samples that a long table is thinned to, if these meet all others
-SAME = 2e-6  # of the largest torque: by how much a spline through fewer samples may miss the others
+SAME = 1e-5  # of the largest torque: by how much a spline through fewer samples may miss the others
 PARTS = 20  # of the range, in which noise is looked for
 DOUBTFUL, NOISY = 3.0, 10.0  # times as many samples as their noise allows: a warning, an error
 MOST_DOUBTFUL = 1000  # samples; more would give no table of a groove
@@ -33,7 +33,7 @@ def wanted_torque(torque: WantedTorque, angles: Array) -> Torque:
         A number: the same torque [N.m] at each angle. A function of theta [rad], for arrays or for one angle
         at a time. Samples (theta, torque) [rad, N.m] of shape (n,), n >= 4, which a cubic spline joins. The
         spline continues samples that end up to 1e-4 rad before the range, as rounded angles do. More than 400
-        smooth samples are thinned, as long as the spline meets all of them to 2e-6 of the largest torque.
+        smooth samples are thinned, as long as the spline meets all of them to 1e-5 of the largest torque.
     angles : ndarray, shape (m,)
         Angles [rad] of the range, from 0 to its end, at which a function is tried.
 
