@@ -152,6 +152,7 @@ def test_hints(design):
     )
     swapped = 'cam1 = {friction = 0.3, lead_angle = "10 deg"}\ncam2.lead_angle = "45 deg"'
     assert "are cam 1 and cam 2 swapped?" in texts(swapped)
+    assert "swapped" not in texts('spring = {free_length = "40 mm", solid_length = "39 mm"}\n' + swapped)
     assert "Is the sign of stop.upper wrong: 1.309 rad?" in texts('stop.upper = "-75 deg"')
     assert "Are the stops exchanged?" in texts("stop = {lower = 1.2, upper = 0.0}")
     degrees = 'stop.upper = 75\ncam1 = {profile = "table", table = "short.csv"}'

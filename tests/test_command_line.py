@@ -128,8 +128,33 @@ def test_what_a_user_wrote_is_kept(design, capsys):
     assert "--force" in spoken(capsys, "identify", "no.csv", "my.toml", "-o", "fitted.toml", code=1).err
     Path("fitted.toml").unlink()
     assert {path: path.read_bytes() for path in Path().iterdir()} == kept
-    for _ in range(2):
-        spoken(capsys, "band", "my.toml", "-o", "band.csv")
+    for words in ("band my.toml -o out.csv", "simulate my.toml -o run.csv"):
+        for _ in range(2):
+            spoken(capsys, *words.split())
+    torque = "theta_deg,torque_Nm\n0,1\n20,3\n50,6\n80,9\n"
+    Path("torque.csv").write_text(torque, encoding="utf-8")
+    words = ("--torque", "torque.csv", "-o", "torque.csv", "--force")
+    assert "is read by this command" in spoken(capsys, "design", "my.toml", *words, code=1).err
+    for command in ("band", "simulate"):
+        said = spoken(capsys, command, "my.toml", "-o", "torque.csv", code=1).err
+        assert "torque.csv exists, and its first line is not that of this result" in said
+    assert Path("torque.csv").read_text(encoding="utf-8") == torque
+    spoken(capsys, "design", "my.toml", "--torque", "5", "-o", "groove.csv", "--force")  # an old groove
+
+
+@pytest.mark.filterwarnings("always::dualcam.errors.UnitWarning")
+def test_a_torque_with_a_doubtful_unit_is_told_in_the_last_line(design, capsys):
+    Path("torque.csv").write_text("theta_rad,torque_Nm\n0,5\n20,5\n50,5\n80,5\n", encoding="utf-8")
+    said = spoken(capsys, "design", "my.toml", "--torque", "torque.csv", "-o", "g.csv").out
+    last = "But first clear up this warning: torque.csv: theta = 80 rad: this looks like degrees"
+    assert said.splitlines()[-1].startswith(last)
+
+
+def test_a_stop_below_0_is_refused_before_the_groove(design, capsys):
+    text = design.read_text(encoding="utf-8")
+    design.write_text(text.replace('lower = "0 deg"', 'lower = "-10 deg"'), encoding="utf-8")
+    said = spoken(capsys, "design", "my.toml", "--torque", "5", "-o", "g.csv", code=1).err
+    assert "stop.lower = -0.174533 rad: allowed is 0 or more" in said and not Path("g.csv").exists()
 
 
 @pytest.mark.parametrize("template", TEMPLATES)

@@ -1,12 +1,15 @@
 """dualcam.design.workflow: torque curves as people have them, and the groove table that comes out."""
 
 import math
+import re
+import warnings
 
 import numpy as np
 import pytest
 
 from dualcam.design import DesignError, Helix, Spring, Table, synthesize
 from dualcam.design.workflow import TorqueCurve, design_groove
+from dualcam.errors import DualcamWarning
 
 SPRING = Spring(400.0, 10e3)
 DEGREES = np.linspace(0.0, 70.0, 15)
@@ -67,6 +70,53 @@ def test_falling_samples_name_the_sample():
     samples = [0.0, 0.2, 0.1, 0.3], [5.0] * 4
     with pytest.raises(DesignError, match=r"theta\[2\] = 0.1 rad is not above theta\[1\] = 0.2 rad"):
         synthesize(samples, 0.3, SPRING)
+
+
+def many(count, noise=0.0, decimals=16):
+    """Samples of 4 N.m + sin(theta) on 70 deg, with noise."""
+    theta = np.linspace(0.0, math.radians(70.0), count)
+    noisy = 4.0 + np.sin(theta) + noise * np.random.default_rng(1).normal(size=count)
+    return theta, np.round(noisy, decimals)
+
+
+@pytest.mark.parametrize("count, decimals", [(401, 16), (2000, 6), (600_000, 5), (600_000, 16)])
+def test_many_smooth_samples_give_a_groove(count, decimals):
+    """Also rounded ones: the torque is theirs to 1e-5 of the largest. The table of the groove is small."""
+    theta, torque = many(count, decimals=decimals)
+    design = synthesize((theta, torque), theta[-1], SPRING, groove2=Helix(0.02, 0.8))
+    assert (
+        np.abs(design.torque(theta[::97]) - torque[::97]).max()
+        < (1e-5 if decimals < 16 else 2e-7) * torque.max()
+    )
+    assert len(design.table.psi) < 1000
+
+
+def test_a_kink_among_many_samples_is_no_noise():
+    theta = many(5000)[0]
+    torque = np.minimum(4.0 + theta, 4.2)
+    design = synthesize((theta, torque), theta[-1], SPRING, groove2=Helix(0.02, 0.8))
+    assert design.torque(theta[::7]) == pytest.approx(torque[::7], rel=1e-6)
+
+
+@pytest.mark.parametrize("count, noise", [(401, 0.02), (2000, 0.005), (3000, 1.5e-5), (600_000, 0.02)])
+def test_many_noisy_samples_are_refused_with_the_number_that_will_do(count, noise):
+    theta, torque = many(count, noise)
+    with pytest.raises(
+        DesignError, match=r"noisy or too fine.* smooth the samples, or thin them to"
+    ) as caught:
+        synthesize((theta, torque), theta[-1], SPRING)
+    points = float(re.search(r"about ([\d,]+) points", str(caught.value))[1].replace(",", ""))
+    assert points == pytest.approx(math.sqrt(torque.max() / noise), rel=0.3)
+    few = theta[:: int(count / points)], 4.0 + np.sin(theta[:: int(count / points)])
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        synthesize(few, few[0][-1], SPRING)
+
+
+def test_some_noisy_samples_are_a_warning():
+    theta, torque = many(81, 0.02)
+    with pytest.warns(DualcamWarning, match=r"81 samples with a noise of about 0.0[123] N.m are noisy"):
+        synthesize((theta, torque), theta[-1], Spring(800.0, 1e3), direction="frictionless")
 
 
 def test_groove_from_a_number(tmp_path):

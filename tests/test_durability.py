@@ -261,6 +261,16 @@ def test_lengths_that_are_not_checked_are_named(design):
     assert not any(words in line for line in check_design(design(lengths + STRONG)).numbers.lines())
 
 
+def test_a_value_that_works_keeps_the_coils_apart(design):
+    """Not at the solid length, which would leave a warning."""
+    solid = design('spring.free_length = "60 mm"\nspring.solid_length = "47.5 mm"\n' + STRONG)
+    errors = {finding.kind: finding for finding in check_design(solid).errors}
+    assert set(errors) == {"solid length", "spring length"}
+    # 60 mm - 55.41 mm - 50 N/(48.3 N/mm) on two equal helices of 45 deg, 10 mm/rad
+    assert errors["solid length"].nearest == pytest.approx(0.3555, abs=1e-3)
+    assert check_design(with_value(solid, "stop.upper", errors["solid length"].nearest)).findings == ()
+
+
 def test_a_spring_at_the_solid_length_of_its_coil_is_an_error(texts):
     found = texts('spring.free_length = "55 mm"\nspring.solid_length = "30 mm"\n' + STRONG)
     assert any(

@@ -1,6 +1,7 @@
 """Tables as people write them, read by each of the five readers: the exact numbers, or the refusal."""
 
 import math
+import warnings
 from fractions import Fraction
 
 import numpy as np
@@ -56,6 +57,11 @@ READ = {
     "texts with #": "theta_deg,torque_Nm,run\n0,1,run #1\n10,1.13,run #1\n20,2.5,run #2\n30,4,\n",
     "other order, other columns": "time_s,torque_Nm,theta_deg\n0,1,0\n1,1.13,10\n2,2.5,20\n3,4,30\n",
     "theta beside another angle": "theta_deg,gamma_deg,torque_Nm\n0,9,1\n10,9,1.13\n20,9,2.5\n30,9,4\n",
+    "minus signs of a word processor": f"torque_Nm;x;theta_deg\n{ROWS}".replace(";", ";\u22121,0;").replace(
+        "torque_Nm;\u22121,0;x;\u22121,0;theta_deg", "theta_deg;x_m;torque_Nm"
+    ),
+    "angles in gon": "Winkel [gon];Moment [Nm]\n0;1\n11,111111111111111;1,13\n22,222222222222222;2,5\n"
+    "33,333333333333333;4\n",
     "exponents": "theta_deg,torque_Nm\n0e0,1E0\n1e1,113e-2\n+20,.25e1\n30.,4\n",
 }
 
@@ -85,7 +91,7 @@ def test_the_numbers_of_every_encoding(file, encoding):
 
 HEAD = "theta_deg,torque_Nm\n"
 BOTH = "the comma seems to be separator and decimal sign"
-UNITS = ["units of theta are rad, deg, mrad, turn", "units of torque are N.m, N.mm, N.cm, mN.m, kN.m"]
+UNITS = ["units of theta are rad, deg, mrad, turn, gon", "units of torque are N.m, N.mm, N.cm, mN.m, kN.m"]
 REFUSED = {
     "the comma as both": (f"{HEAD}0,1,13\n10,1,25\n20,1,31\n30,1,4\n", ["line 2, '0,1,13'", BOTH]),
     "the comma as both in one line": (f"{HEAD}0,1\n10,1,25\n20,2\n30,4\n", ["line 3", "2 ways"]),
@@ -136,6 +142,21 @@ def test_a_refusal_names_file_line_and_column(file, name):
         TorqueCurve.read(path)
     for part in (str(path), *words):
         assert part in str(caught.value)
+
+
+def test_points_that_may_separate_thousands_are_told(file):
+    """Where semicolons separate columns and no number tells that the point is the decimal sign."""
+    head, rows = "Winkel [Grad];Moment [N.mm]\n", "0;1.145\n5;1.706\n10;2.255\n15;2.795\n"
+    with pytest.warns(
+        UnitWarning, match="1.145 was read with a decimal point.* separate thousands, write 1145"
+    ):
+        curve = TorqueCurve.read(file(head + rows))
+    assert curve.torque[0] == 0.001145
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        for plain in (rows.replace("5;", "5.0;"), rows.replace("2.795", "0.795"), rows.replace(".", "")):
+            TorqueCurve.read(file(head + plain))
+        TorqueCurve.read(file((head + rows).replace(";", ",")))
 
 
 def test_degrees_below_a_header_of_radians_are_told(file):

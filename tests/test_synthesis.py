@@ -44,7 +44,7 @@ def test_a_number_is_the_same_torque_at_each_angle(torque, groove2):
     [
         (math.nan, "torque nan N.m: allowed is a finite number"),
         (0.0, "allowed is a torque > 0 at some angle"),
-        (-5.0, "negative"),
+        (-5.0, "negative.* A torque that loads the spring is positive: is the sign wrong"),
         (True, "torque = True: allowed is a number"),
         ("5", "torque = '5': allowed is a number"),
         (None, "torque = None: allowed is a number"),

@@ -44,8 +44,8 @@ class RemedySearch:
     def mended(self, trouble: Trouble) -> Finding:
         """The finding with a value that mends it, if there is one.
 
-        A value with which the whole check passes "works". Another value removes this finding and makes no
-        new error."""
+        A value with which the whole check passes "works": no finding that was an error is left as a warning.
+        Another value removes this finding and makes no new error."""
         for whole, words in ((True, "works"), (False, "mends this finding, not the others")):
             for remedy in trouble.remedies:
                 value = self._value(trouble.finding, remedy, whole)
@@ -62,12 +62,13 @@ class RemedySearch:
         if current is None or current == remedy.bound:
             return None
         allowed = frozenset() if whole else self.errors - {finding.kind}
+        mended = {finding.kind, *(self.errors if whole else ())}
 
         def works(value: float) -> bool:
             if not is_sensible(self.design, remedy.key, value):
                 return False
             kinds = self._kinds(remedy.key, value)
-            return kinds is not None and finding.kind not in kinds.all and kinds.errors <= allowed
+            return kinds is not None and not mended & kinds.all and kinds.errors <= allowed
 
         value = nearest_working(float(current), remedy.bound, works)
         if value is not None and whole and self.refusal(with_value(self.design, remedy.key, value)):

@@ -7,7 +7,7 @@ keys whose change can help.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 
 import numpy as np
@@ -20,9 +20,15 @@ from dualcam.design.strength import LimitViolation, examine
 from dualcam.design_file import DesignFile, Finding
 from dualcam.errors import DesignError
 
+OF_GROOVES = ("jam", "level", "self-locking", "lead angle", "undercut", "contact pressure")  # kinds
 
-def swap_warning(design: DesignFile) -> Finding | None:
-    """A warning if exchanging the grooves of both cams, without radius and friction, removes all errors."""
+
+def swap_warning(design: DesignFile, errors: Iterable[str]) -> Finding | None:
+    """A warning if exchanging the grooves of both cams, without radius and friction, removes all errors.
+
+    None where an error, of these kinds, is not about the grooves, such as one of stops or spring."""
+    if not all(kind.startswith(OF_GROOVES) for kind in errors):
+        return None
     grooves = ("profile", "lead_angle", "ellipse_a", "ellipse_b", "ellipse_curvature", "table")
     names = [f"cam{i}.{name}" for i in (1, 2) for name in grooves]
     others = [f"cam{3 - i}.{name}" for i in (1, 2) for name in grooves]

@@ -130,8 +130,9 @@ def check_design(design: DesignSource) -> Verdict:
     else:
         search = RemedySearch(design, found, lambda other: _start_of(other).refusal)
         findings = [search.mended(trouble) for trouble in found]
-    has_errors = any(finding.severity == ERROR for finding in findings)
-    if has_errors and not causes and (swapped := swap_warning(design)):
+    errors = [finding.kind for finding in findings if finding.severity == ERROR]
+    has_errors = bool(errors)
+    if has_errors and not causes and (swapped := swap_warning(design, errors)):
         findings.append(swapped)
     if refusal and not has_errors:
         text = f"the FMU does not start: {refusal}{_soft_shaft(design)}"

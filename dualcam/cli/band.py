@@ -10,7 +10,14 @@ import click
 import numpy as np
 
 from dualcam.cli.options import FILE, anyway, as_json, design_file, example, open_design
-from dualcam.cli.output import keep_files_of, print_json, print_table, require_folder_of, say
+from dualcam.cli.output import (
+    keep_files_of,
+    keep_other_tables,
+    print_json,
+    print_table,
+    require_folder_of,
+    say,
+)
 
 if TYPE_CHECKING:
     from dualcam.design import TorqueBand
@@ -61,6 +68,8 @@ def command(
         check_picture(plot)
     design = open_design(design_file, anyway, as_json)
     keep_files_of(design, output, plot)
+    if output is not None:
+        keep_other_tables(output, ",".join(HEADS))
     mechanism = design.mechanism()
     band, fine = torque_band(mechanism, points), torque_band(mechanism, max(points, 361))
     rows, loads = _rows(band), largest_loads(mechanism, design.pin)

@@ -17,7 +17,7 @@ import click
 from dualcam.cli.check import tell_findings
 from dualcam.cli.groove_export import GrooveExport, export_options
 from dualcam.cli.options import anyway, as_json, design_file, example, judge, output_file
-from dualcam.cli.output import count, print_json, refuse_to_overwrite, say, warn
+from dualcam.cli.output import count, keep_files_of, print_json, refuse_to_overwrite, say, warn, warnings_said
 from dualcam.errors import DesignError, DualcamWarning
 
 if TYPE_CHECKING:
@@ -102,8 +102,11 @@ def command(
     design = read_design(design_file)
     given = design.mechanism()
     keeps_groove2 = _keeps_groove2(given, groove2)
-    found = None if torque is None else _designed(given, torque, direction, keeps_groove2)
     cams = (1,) if keeps_groove2 else (1, 2)
+    wanted = None if torque is None else _wanted(torque)
+    _keep_inputs(design, wanted, cams, output, *exported.written_files)
+    found = None if wanted is None else _designed(given, wanted, direction, keeps_groove2)
+    doubts = tuple(warnings_said())
     with _with_groove(design, found, cams) as judged:
         if exported.files:
             judge(judged, anyway, as_json)
@@ -126,6 +129,17 @@ def command(
         exported.say_written(design, mechanism)
     if verdict is not None:
         _tell(verdict, design_file)
+        for doubt in doubts:
+            say(f"But first clear up this warning: {doubt}")
+
+
+def _keep_inputs(
+    design: DesignFile, wanted: float | Path | None, cams: tuple[int, ...], *outputs: Path | None
+) -> None:
+    """DualcamError if a result would replace what the command reads: a new groove may replace an old one."""
+    data = wanted if isinstance(wanted, Path) else None
+    made = [] if wanted is None else [f"cam{cam}.table" for cam in cams]
+    keep_files_of(design, *outputs, data=data, made=made)
 
 
 def _verdict(design: DesignFile) -> Verdict:
@@ -135,7 +149,8 @@ def _verdict(design: DesignFile) -> Verdict:
     for warning in design.warnings:
         warn(f"{design.path}: {warning}")
     verdict = check_design(design)
-    others = tuple(one for one in verdict.findings if one not in design.warnings)
+    # the cams of a new groove are not swapped
+    others = tuple(one for one in verdict.findings if one not in design.warnings and one.kind != "swapped")
     return replace(verdict, findings=others)
 
 
@@ -206,15 +221,20 @@ def _keeps_groove2(mechanism: Mechanism, groove2: str | None) -> bool:
     return groove2 == "given" or radius1 != radius2
 
 
-def _designed(mechanism: Mechanism, torque: str, direction: str, keeps_groove2: bool) -> Design:
+def _designed(mechanism: Mechanism, wanted: float | Path, direction: str, keeps_groove2: bool) -> Design:
     from dualcam.design import design_groove
 
+    if mechanism.lower < 0.0:
+        raise DesignError(
+            f"stop.lower = {mechanism.lower:.6g} rad: allowed is 0 or more with --torque, since the groove"
+            " begins at theta = 0"
+        )
     if any(mechanism.load_laws):
         mu1, mu2 = mechanism.friction
         text = f"the groove takes friction {mu1:.4g} and {mu2:.4g}, without the dependence on the load"
         warnings.warn(text, DualcamWarning, stacklevel=1)
     return design_groove(
-        _wanted(torque),
+        wanted,
         mechanism.spring,
         mechanism.upper,
         direction=direction,

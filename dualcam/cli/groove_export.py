@@ -127,17 +127,21 @@ class GrooveExport:
                 raise click.UsageError(f"{option} belongs to --export: give --export with the name of a file")
         return asked
 
+    @property
+    def written_files(self) -> list[Path]:
+        """Of all cams and --export."""
+        from dualcam.design.cut.export import groove_files
+
+        return [file for path in self.files for file in groove_files(path, self.cams).values()]
+
     def prepare(self, force: bool) -> None:
         """DualcamError if a file exists or its library is not installed."""
-        from dualcam.design.cut.export import groove_files, require_libraries
+        from dualcam.design.cut.export import require_libraries
 
-        seen: set[Path] = set()
-        for path in self.files:
-            for file in groove_files(path, self.cams).values():
-                refuse_to_overwrite(file, force)
-                if file in seen:
-                    raise DesignError(f"{file} is written twice: give each --export another name")
-                seen.add(file)
+        for k, file in enumerate(self.written_files):
+            refuse_to_overwrite(file, force)
+            if file in self.written_files[:k]:
+                raise DesignError(f"{file} is written twice: give each --export another name")
         for path in self.files:
             try:
                 require_libraries(path)

@@ -10,7 +10,15 @@ from typing import TYPE_CHECKING
 import click
 
 from dualcam.cli.options import FILE, anyway, as_json, design_file, example, open_design, output_file
-from dualcam.cli.output import print_json, print_table, refuse_to_overwrite, require_folder_of, say, warn
+from dualcam.cli.output import (
+    keep_files_of,
+    print_json,
+    print_table,
+    refuse_to_overwrite,
+    require_folder_of,
+    say,
+    warn,
+)
 
 if TYPE_CHECKING:
     from dualcam.identification import Identification
@@ -90,6 +98,7 @@ def command(
         check_picture(plot)
     names = [name.strip() for name in fit.split(",") if name.strip()]
     design = open_design(design_file, anyway, as_json)
+    keep_files_of(design, report, plot, output if output != design_file else None, data=data)
     try:
         unknowns_of(design, names)
     except IdentificationError as error:

@@ -27,10 +27,15 @@ def count(number: int, what: str) -> str:
     return f"{number} {what}{'s' if number != 1 else ''}"
 
 
+def warnings_said() -> list[str]:
+    """The warnings of this command so far."""
+    context = click.get_current_context(silent=True)
+    return [] if context is None else context.meta.setdefault("dualcam.warnings", list[str]())
+
+
 def warn(text: str) -> None:
     """A warning on stderr; once, also where several parts of a command find the same."""
-    context = click.get_current_context(silent=True)
-    said = [] if context is None else context.meta.setdefault("dualcam.warnings", list[str]())
+    said = warnings_said()
     if not any(text in earlier for earlier in said):
         said.append(text)
         click.echo(f"dualcam: warning: {text}", err=True)
@@ -77,13 +82,33 @@ def require_folder_of(path: Path) -> None:
         )
 
 
-def keep_files_of(design: DesignFile, *outputs: Path | None) -> None:
-    """DualcamError if a result would replace the design file or one of its tables."""
+def keep_files_of(
+    design: DesignFile, *outputs: Path | None, data: Path | None = None, made: Sequence[str] = ()
+) -> None:
+    """DualcamError if a result would replace the design file, one of its tables, or measured data.
+
+    `made`: the parameters whose tables the command makes anew."""
     keys = [f"cam{cam}.{table}" for cam in (1, 2) for table in ("table", "friction_table")]
-    read = {design.path.resolve(), *(Path(design.value(key)).resolve() for key in keys if design.value(key))}
+    tables = (design.value(key) for key in keys if key not in made)
+    read = {design.path.resolve(), *(Path(table).resolve() for table in tables if table)}
     for path in outputs:
         if path is not None and path.resolve() in read:
             raise DualcamError(f"{path} belongs to the design {design.path}: give the result another name")
+        if path is not None and data is not None and path.resolve() == data.resolve():
+            raise DualcamError(f"{path} is read by this command: give the result another name")
+
+
+def keep_other_tables(path: Path, *headers: str) -> None:
+    """DualcamError if a file of text exists that begins with none of the headers of the command's results."""
+    if not path.is_file() or path.suffix.lower() == ".parquet":
+        return
+    with path.open(encoding="utf-8", errors="replace") as file:
+        first = file.readline().strip()
+    if first and first not in headers:
+        raise DualcamError(
+            f"{path} exists, and its first line is not that of this result: give another name, or remove the"
+            " file"
+        )
 
 
 def refuse_to_overwrite(path: Path, force: bool) -> None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from dualcam.cli.options import FILE, anyway, as_json, design_file, example, open_design, output_file
-from dualcam.cli.output import keep_files_of, print_json, require_folder_of, say
+from dualcam.cli.output import keep_files_of, keep_other_tables, print_json, require_folder_of, say
 
 if TYPE_CHECKING:
     from dualcam.design_file import DesignFile
@@ -44,7 +44,7 @@ def command(
     The file's [scenario] says how long, and which torque (or which motion) acts.
     """
     from dualcam.report.summary import residual_words
-    from dualcam.simulation.run import checked_format
+    from dualcam.simulation.run import VARIABLES, checked_format
 
     checked_format(output)
     for path in (output, plot):
@@ -53,6 +53,7 @@ def command(
     design = open_design(design_file, anyway, as_json)
     keep_files_of(design, output, plot)
     names = [name.strip() for name in variables.split(",") if name.strip()]
+    keep_other_tables(output, *(",".join(["time", *columns]) for columns in (names, *VARIABLES.values())))
     if plot is not None:
         _check_plot(plot, names)
     trajectory = _run(design, names, fmu, as_json)

@@ -250,9 +250,10 @@ class GrooveProblem:
         highest = force / upright if upright > 0.0 else math.inf
         what = "negative" if wanted < 0.0 else "too low" if wanted < lowest else "too high"
         which = "both grooves" if equal else "groove 1"
+        sign = ". A torque that loads the spring is positive: is the sign wrong?" if wanted < 0.0 else ""
         return (
             f"torque {wanted:.6g} N.m {verb} is {what}: with the spring's {force:.6g} N allowed is"
-            f" {lowest:.6g} to {highest:.6g} N.m ({which} from level to upright)"
+            f" {lowest:.6g} to {highest:.6g} N.m ({which} from level to upright){sign}"
         )
 
     def locks(self, a2: float) -> str:

@@ -36,8 +36,8 @@ def tabulate(problem: GrooveProblem, solution: GrooveSolution, contacts: int, to
             raise DesignError(
                 f"{problem.where(design.largest_error_at)}: no table gives the torque there to {tolerance:g},"
                 f" at {len(theta)} samples the torque is missed by {design.largest_error:.3g}: the torque"
-                " must be continuous, the angles of its kinks must be given as kinks, and the grooves must"
-                " not get near level or upright"
+                " must be continuous (measured samples: smooth or thin them), the angles of its kinks must be"
+                " given as kinks, and the grooves must not get near level or upright"
             )
         theta = np.sort(np.append(theta, 0.5 * (theta[:-1] + theta[1:])[coarse]))
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Callable
 from numbers import Real
 
@@ -11,10 +12,16 @@ from numpy.typing import ArrayLike
 
 from dualcam.common.arrays import real_array
 from dualcam.design.statics import Array, DesignError
+from dualcam.errors import DualcamWarning
 
 Torque = Callable[[Array], Array]  # N.m, at theta [rad], of the shape of theta
 WantedTorque = float | Torque | tuple[ArrayLike, ArrayLike]
 ROUNDED = 1e-4  # rad: samples may end this much before the range, as 80 deg and 1.3963 rad differ by 4e-5
+ENOUGH = 200  # samples that a long table is thinned to, if these meet all others
+SAME = 1e-5  # of the largest torque: by how much a spline through fewer samples may miss the others
+PARTS = 20  # of the range, in which noise is looked for
+DOUBTFUL, NOISY = 3.0, 10.0  # times as many samples as their noise allows: a warning, an error
+MOST_DOUBTFUL = 1000  # samples; more would give no table of a groove
 
 
 def wanted_torque(torque: WantedTorque, angles: Array) -> Torque:
@@ -25,7 +32,8 @@ def wanted_torque(torque: WantedTorque, angles: Array) -> Torque:
     torque : float, function or tuple of two array_like
         A number: the same torque [N.m] at each angle. A function of theta [rad], for arrays or for one angle
         at a time. Samples (theta, torque) [rad, N.m] of shape (n,), n >= 4, which a cubic spline joins. The
-        spline continues samples that end up to 1e-4 rad before the range, as rounded angles do.
+        spline continues samples that end up to 1e-4 rad before the range, as rounded angles do. More than 400
+        smooth samples are thinned, as long as the spline meets all of them to 1e-5 of the largest torque.
     angles : ndarray, shape (m,)
         Angles [rad] of the range, from 0 to its end, at which a function is tried.
 
@@ -38,7 +46,12 @@ def wanted_torque(torque: WantedTorque, angles: Array) -> Torque:
     ------
     DesignError
         For a number that is not finite, a function that fails at `angles`, and samples that are no numbers,
-        do not increase, or do not cover the range.
+        do not increase, do not cover the range, or are many and noisy.
+
+    Warns
+    -----
+    DualcamWarning
+        For samples with noise that makes the groove wavy.
 
     Examples
     --------
@@ -120,4 +133,53 @@ def _spline(angle: Array, value: Array, upper: float) -> Torque:
         )
     from scipy.interpolate import CubicSpline
 
+    angle, value = _thinned(angle, value)
+    _judge_noise(angle, value)
     return CubicSpline(angle, value)
+
+
+def _thinned(angle: Array, value: Array) -> tuple[Array, Array]:
+    """Half as many samples again and again, as long as their spline meets all others."""
+    kept = angle, value
+    while len(kept[0]) > 2 * ENOUGH:
+        fewer = _half(*kept)
+        if np.abs(_misses(fewer, angle, value)).max() > SAME * np.abs(value).max():
+            break
+        kept = fewer
+    return kept
+
+
+def _half(angle: Array, value: Array) -> tuple[Array, Array]:
+    """Half of the samples, both ends included."""
+    places = np.linspace(0, len(angle) - 1, max(4, len(angle) // 2)).round().astype(int)
+    return angle[places], value[places]
+
+
+def _misses(fewer: tuple[Array, Array], angle: Array, value: Array) -> Array:
+    """By how much a spline through fewer samples misses all samples [N.m]."""
+    from scipy.interpolate import CubicSpline
+
+    return CubicSpline(*fewer)(angle) - value
+
+
+def _judge_noise(angle: Array, value: Array) -> None:
+    """DesignError, or a warning, for samples whose noise bends the torque more than the torque itself bends.
+
+    Noise e of samples at a distance h has the second derivative e/h^2, a torque T over the range L about
+    T/L^2. So the noise allows sqrt(T/e) intervals. Half of the samples miss the others by about e. The
+    median over parts of the range leaves out kinks."""
+    squares = _misses(_half(angle, value), angle, value) ** 2
+    parts = np.array_split(squares, min(PARTS, len(angle) // 4))
+    noise = math.sqrt(2.0 * np.median([part.mean() for part in parts]))
+    if noise == 0.0:
+        return
+    points = 1.0 + math.sqrt(np.abs(value).max() / noise)
+    if len(angle) <= DOUBTFUL * points:
+        return
+    text = (
+        f"torque: {len(angle):,} samples with a noise of about {noise:.1g} N.m are noisy or too fine, and the"
+        f" groove would follow the noise: smooth the samples, or thin them to about {points:,.0f} points"
+    )
+    if len(angle) > min(NOISY * points, MOST_DOUBTFUL):
+        raise DesignError(text)
+    warnings.warn(DualcamWarning(text), stacklevel=2)

@@ -24,6 +24,7 @@ from dualcam.common.tables.kinds import TableError, TableKind
 from dualcam.common.tables.rows import (
     cells_of,
     has_decimal_comma,
+    likely_thousand,
     name_of,
     numbers_of,
     refuse_faults,
@@ -53,7 +54,7 @@ class HumanTable:
     notes : tuple of str
         What was guessed, in words.
     warnings : tuple of str
-        Values that look as if they were in another unit.
+        Values that look as if they were in another unit, or had points between thousands.
     """
 
     columns: Mapping[str, Array]
@@ -121,7 +122,7 @@ def _understood(
         {name: header.heads[place] for name, place in places.items()},
         {name: column.unit for name, column in columns.items()},
         _notes(lines, header, None if separator else sign, comma and decimal is None),
-        tuple(_unit_warnings(in_file, columns, kind)),
+        (*_unit_warnings(in_file, columns, kind), *_thousands(cells, header, places, sign)),
         text,
         is_utf8,
     )
@@ -202,7 +203,7 @@ def _warn_of_unit(name: str, values: Array) -> None:
 
 def _lines(text: str, separator: str | None, example: str) -> tuple[Lines, Lines, str | None]:
     """Lines with content, comments, and the separator that is given or that a first line gives."""
-    lines, comments = lines_of(text)
+    lines, comments = lines_of(text.replace("\u2212", "-"))  # the minus sign of word processors
     written, left = without_separator_line(lines)
     if not len(left) and not len(comments):
         raise TableError(f"the file is empty: line 1 must be a header such as {example}")
@@ -285,6 +286,20 @@ def _unit_warnings(
         if columns[name].unit in ("", next(iter(UNITS[quantity.kind]))):
             found.append(unit_warning(quantity.rule, _farthest(column), name))
     return [text for text in found if text]
+
+
+def _thousands(
+    cells: Sequence[str], header: Header, places: Mapping[str, int], separator: str
+) -> Sequence[str]:
+    """A warning where all points may separate thousands."""
+    columns = (cells[place :: len(header.heads)] for place in places.values())
+    number = likely_thousand(columns, separator)
+    meant = number.replace(".", "")
+    return (
+        [f"{number} was read with a decimal point. If the points separate thousands, write {meant}"]
+        if number
+        else []
+    )
 
 
 def _farthest(values: Array) -> float:

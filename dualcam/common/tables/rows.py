@@ -18,6 +18,7 @@ from dualcam.common.tables.text import Line, Lines
 SEPARATORS = {";": "semicolons", "\t": "tabs", ",": "commas", " ": "spaces"}
 NUMBER = re.compile(r"[+-]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eE][+-]?\d+)?")
 THOUSANDS = re.compile(r"[+-]?\d{1,3}(?:[.,]\d{3})+(?:[.,]\d*)?")
+THOUSAND = re.compile(r"[+-]?[1-9]\d{0,2}\.\d{3}")  # or a number with three decimals
 WHOLE_PART, DECIMALS = re.compile(r"\s*[+-]?\d+"), re.compile(r"\d+(?:[eE][+-]?\d+)?\s*")
 FIRST_ROWS = 50  # that tell the separator
 MOST_LISTED = 3  # faults in one message
@@ -130,6 +131,14 @@ def has_decimal_comma(columns: Iterable[Sequence[str]], separator: str) -> bool:
     if separator != ",":
         return bool(with_comma)
     return not all(THOUSANDS.fullmatch(cell) for cell in with_comma)
+
+
+def likely_thousand(columns: Iterable[Sequence[str]], separator: str) -> str:
+    """A number such as 1.145 whose point may separate thousands, as where semicolons separate columns; empty
+    where any number tells that the point is the decimal sign."""
+    dotted = [cell.strip("\"' \t") for column in columns for cell in column if "." in cell]
+    may_be = separator == ";" and all(THOUSAND.fullmatch(cell) for cell in dotted)
+    return dotted[0] if may_be and dotted else ""
 
 
 def numbers_of(cells: Sequence[str], comma: bool) -> Array:

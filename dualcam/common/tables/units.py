@@ -17,7 +17,7 @@ DEGREE = math.pi / 180.0  # rad
 # By kind: the units with their factors to SI, the SI unit first.
 UNITS: dict[str, dict[str, float]] = {
     "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0},
-    "angle": {"rad": 1.0, "deg": DEGREE, "mrad": 1e-3, "turn": 2.0 * math.pi},
+    "angle": {"rad": 1.0, "deg": DEGREE, "mrad": 1e-3, "turn": 2.0 * math.pi, "gon": math.pi / 200.0},
     "length": {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "um": 1e-6, "in": 0.0254},
     "torque": TORQUE_UNITS,
     "force": {"N": 1.0, "kN": 1e3},
@@ -39,6 +39,7 @@ SPELLINGS = {
     "rad": RADIANS,
     "deg": DEGREES,
     "mrad": r"mrad|milliradians?",
+    "gon": r"gon",
     "turn": r"turns?|revolutions?|umdrehung(?:en)?",
     "m": rf"m|{METRE}",
     "mm": rf"mm|milli{METRE}",
