@@ -52,6 +52,8 @@ READ = {
     "torque_Ncm": "theta_deg,torque_Ncm\n0,100\n10,113\n20,250\n30,400\n",
     "torque in N.mm": "theta_deg,torque [N mm]\n0,1000\n10,1130\n20,2500\n30,4000\n",
     "torque in mNm": "theta_deg,torque_mNm\n0,1000\n10,1130\n20,2500\n30,4000\n",
+    "radians and kilonewtons": "angle [rad],torque [kN.m]\n0,.001\n0.17453292519943295,.00113\n"
+    "0.3490658503988659,.0025\n0.5235987755982988,.004\n",
     "a text column in front": "run,theta_deg,torque_Nm\nup,0,1\nup,10,1.13\nup,20,2.5\nup,30,4\n",
     "a text column between": "theta_deg;run;torque_Nm\n0;up, slow;1\n10;b;1,13\n20;c;2,5\n30;d;4\n",
     "texts with #": "theta_deg,torque_Nm,run\n0,1,run #1\n10,1.13,run #1\n20,2.5,run #2\n30,4,\n",
