@@ -9,7 +9,7 @@ from driver import ROOT
 
 from dualcam import Fmu
 from dualcam.common.unit_guards import RULES, table_warnings, unit_warnings
-from dualcam.design import Ellipse, Helix, Limits, Mechanism, Pin, Spring, Table, synthesize
+from dualcam.design import Ellipse, Helix, Limits, Mechanism, Pin, Spring, Table
 from dualcam.design_file import TEMPLATES, read_design, write_template
 from dualcam.errors import DesignError, UnitWarning
 from dualcam.fmi.variables import all_parameters
@@ -98,14 +98,6 @@ def test_classes_warn(make, words):
     assert len(found) == len(words) and all(word in text for word, text in zip(words, found, strict=True)), (
         found
     )
-
-
-def test_synthesize_warns_of_degrees():
-    def design():
-        with pytest.raises(DesignError):
-            synthesize(lambda t: 2.0 + 0 * t, 60, SPRING, groove2=HELIX)
-
-    assert "upper = 60 rad: this looks like degrees; 60 deg is 1.0472 rad" in caught(design)
 
 
 def test_refused_angles_name_degrees():
