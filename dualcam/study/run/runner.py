@@ -23,6 +23,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from dualcam.common.arrays import real_array
 from dualcam.errors import FmuError
 from dualcam.fmi.fmu import Fmu
 from dualcam.fmi.handle import FmuState
@@ -298,7 +299,8 @@ class Runner:
         }
 
     def _control(self, time: c_double) -> int:
-        self._commands.values[:] = self._law(time.value, self._sensed.read())
+        returned = self._law(time.value, self._sensed.read())
+        self._commands.values[:] = _commanded(returned, self._commands.names)
         self._commands.write()
         return 0
 
@@ -452,6 +454,17 @@ class Runner:
 def _one_of(values: Any, place: int) -> Any:  # noqa: ANN401
     """One number of an array, as an array of its own in the same memory."""
     return (c_double * 1).from_buffer(values, place * sizeof(c_double))
+
+
+def _commanded(returned: Sequence[float], names: Sequence[str]) -> Array:
+    """What a law returned, as one number for each name. FmuError for anything else."""
+    values = real_array(returned, "controller: what the law returned", FmuError)
+    if values.size != len(names):
+        raise FmuError(
+            f"controller: the law returned {values.size} value{'s' * (values.size != 1)}, writes has"
+            f" {len(names)}: {', '.join(names)}"
+        )
+    return values.ravel()
 
 
 def _unpacked(job: Job) -> Fmu:
