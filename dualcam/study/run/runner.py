@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from dualcam.common.arrays import real_array
 from dualcam.errors import FmuError
@@ -39,7 +39,7 @@ from dualcam.study.run.step_numbers import FIRST, Arrangement, Key, StepNumbers
 
 FATAL = 4  # FMI's status from which an instance cannot be used any more
 IN_C_FROM = 3  # runs of one layout: to lay the calls out for C takes as long as some runs from Python
-FLOATS = frozenset((float, np.float64))
+NUMBERS = frozenset((float, int, np.float64))
 Call = Callable[[], int]
 
 
@@ -301,7 +301,7 @@ class Runner:
 
     def _control(self, time: c_double) -> int:
         returned = self._law(time.value, self._sensed.read())
-        self._commands.values[:] = _commanded(returned, self._commands.names)
+        self._commands._buffer[:] = _commanded(returned, self._commands.names)
         self._commands.write()
         return 0
 
@@ -457,18 +457,16 @@ def _one_of(values: Any, place: int) -> Any:  # noqa: ANN401
     return (c_double * 1).from_buffer(values, place * sizeof(c_double))
 
 
-def _commanded(returned: Sequence[float], names: Sequence[str]) -> ArrayLike:
+def _commanded(returned: Any, names: Sequence[str]) -> list[float]:  # noqa: ANN401
     """What a law returned, as one number for each name. FmuError for anything else."""
-    is_plain = type(returned) is list and len(returned) == len(names)
-    if is_plain and FLOATS.issuperset(map(type, returned)):  # NumPy would take as long as a step
-        return returned
+    given = returned.tolist() if type(returned) is np.ndarray else returned
+    if type(given) is list and len(given) == len(names) and NUMBERS.issuperset(map(type, given)):
+        return given  # `real_array` would take as long as a step
     values = real_array(returned, "controller: what the law returned", FmuError)
     if values.size != len(names):
-        raise FmuError(
-            f"controller: the law returned {values.size} value{'s' * (values.size != 1)}, writes has"
-            f" {len(names)}: {', '.join(names)}"
-        )
-    return values.ravel()
+        count = f"{values.size} value{'s' * (values.size != 1)}"
+        raise FmuError(f"controller: the law returned {count}, writes has {len(names)}: {', '.join(names)}")
+    return values.ravel().tolist()
 
 
 def _unpacked(job: Job) -> Fmu:
