@@ -264,6 +264,8 @@ def test_a_table_as_spreadsheets_write_it(tmp_path):
     (lambda: Plan("grid", {"a": Vary(0, 1, count=2.5)}), ["a:", "2.5", "whole"]),
     (lambda: Plan("grid", {n: Vary(0, 1, count=1000) for n in "abcd"}), ["1000000000000", "1,000,000,000"]),
     (lambda: Scenario(1.0, controller=Controller("law", 0.1, ["theta"], ["tau"])), ["'law'", "function"]),
+    (lambda: Scenario(1.0, controller=Controller(slow, 0.1, ["theta"], ["tau", "F_ext", "tau"])), ["once"]),
+    (lambda: Scenario(1.0, controller=Controller(slow, 0.1, ["z", "z"], ["tau"])), ["reads", "once"]),
     (lambda: runs_of(study(scenario=closed(slow, 1.0, 1e-9))), ["1e-09", "1,000,000 steps"]),
     (lambda: runs_of(study(scenario=Scenario(1e20), results=["theta@0.5"])), ["theta@0.5", "same as 0 s"]),
 ])  # fmt: skip

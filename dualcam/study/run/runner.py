@@ -301,7 +301,7 @@ class Runner:
 
     def _control(self, time: c_double) -> int:
         returned = self._law(time.value, self._sensed.read())
-        self._commands._buffer[:] = _commanded(returned, self._commands.names)
+        self._commands._buffer[:] = _commanded(returned, self._commands.names)  # faster than `values`
         self._commands.write()
         return 0
 
@@ -457,7 +457,7 @@ def _one_of(values: Any, place: int) -> Any:  # noqa: ANN401
     return (c_double * 1).from_buffer(values, place * sizeof(c_double))
 
 
-def _commanded(returned: Any, names: Sequence[str]) -> list[float]:  # noqa: ANN401
+def _commanded(returned: Any, names: Sequence[str]) -> list[c_double | float]:  # noqa: ANN401
     """What a law returned, as one number for each name. FmuError for anything else."""
     given = returned.tolist() if type(returned) is np.ndarray else returned
     if type(given) is list and len(given) == len(names) and NUMBERS.issuperset(map(type, given)):
@@ -466,7 +466,7 @@ def _commanded(returned: Any, names: Sequence[str]) -> list[float]:  # noqa: ANN
     if values.size != len(names):
         count = f"{values.size} value{'s' * (values.size != 1)}"
         raise FmuError(f"controller: the law returned {count}, writes has {len(names)}: {', '.join(names)}")
-    return values.ravel().tolist()
+    return [*values.ravel().tolist()]
 
 
 def _unpacked(job: Job) -> Fmu:
