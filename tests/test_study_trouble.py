@@ -178,7 +178,7 @@ def test_an_fmu_that_is_none_to_run(tmp_path, make, mentions):
             'kind = "parallel"\nhighlight = 7',
             ["plot parallel", "highlight = 7", "at most 1"],
         ),
-        ('kind = "sobol"', 'kind = ["sobol"]', ["['sobol']", "allowed are map, sobol"]),
+        ('kind = "sobol"', 'kind = ["sobol"]', ["['sobol']", "did you mean sobol"]),
         ("stop = 0.1", "stop = 0.1\nstep = 0", ["step = 0", "above 0"]),
         ("stop = 0.1", "stop = inf", ["stop = inf", "finite"]),
         ("stop = 0.1", 'stop = 0.1\ncontroller.create_law = "os:none"', ["controller", "lacks", "period"]),
