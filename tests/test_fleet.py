@@ -404,6 +404,7 @@ WRONG_FLEETS = {
     "threads": ({"threads": 0}, "threads = 0"),
     "too many": ({"threads": 1000}, "from 1 to 256"),
     "input": ({"inputs": ["taw"]}, "no variable 'taw'.*tau"),
+    "input twice": ({"inputs": ["tau", "F_ext", "tau"]}, "inputs = .*: allowed is each variable once"),
     "integer port": ({"outputs": ["mode"]}, "mode is Integer"),
     "one text": ({"inputs": "tau"}, "list of names"),
     "parameter": ({"parameters": {"cam1.fricton": 0.1}}, "cam1.friction"),

@@ -274,6 +274,8 @@ def test_messages_are_the_fmus_own_words(fmu):
         fmu.reals("tau").write_derivatives(1, [math.nan])
     with refused("Integer", "Real"):
         fmu.reals("contacts")
+    with refused(r"names = \['tau', 'tau'\]: allowed is each variable once"):
+        fmu.reals("tau", "tau")
     with refused("order 4"):
         fmu.reals("theta").read_derivatives(4)
     with refused("seed", r"\(1,\)"):

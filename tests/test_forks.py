@@ -1,5 +1,6 @@
 """FMUs and fleets in a forked child, which neither hangs on its copies nor takes files from its parent."""
 
+import multiprocessing
 import os
 import signal
 import threading
@@ -8,10 +9,13 @@ import traceback
 
 import numpy as np
 import pytest
+from study_cases import every_run_once, study
 
 import dualcam
 from dualcam import Fleet, Fmu, FmuError
 from dualcam.gradient import DifferentiableFleet
+from dualcam.study import StudyError
+from dualcam.study.optimisation.models import FunctionModel
 
 pytestmark = [
     pytest.mark.skipif(not hasattr(os, "fork"), reason="this system does not fork"),
@@ -147,3 +151,14 @@ def test_a_fork_while_another_thread_has_the_lock_of_a_differentiable_fleet():
         with fleet._lock:
             in_child(use)
         use()
+
+
+def test_a_study_in_a_worker_of_a_pool(tmp_path):
+    """Such a process may start no others."""
+    one = study()
+    with multiprocessing.get_context("fork").Pool(1) as pool:
+        for call, arguments in ((one.run, (tmp_path, 2)), (FunctionModel, (abs, None, [], 2))):
+            with pytest.raises(StudyError, match="may start no processes: use workers = 0"):
+                pool.apply(call, arguments)
+        pool.apply(one.run_to_files, (tmp_path,))
+    every_run_once(tmp_path, one)

@@ -88,7 +88,7 @@ def test_fmpy_block(run_block):
 def test_python_control_block(run_block, capsys):
     """Ten statements; at the end of the step the torque is the edge of the band, which would hold that angle
     after a move up: rho (F0 + k z)."""
-    (block,) = blocks_of("docs/use-python-control.md", "import control")
+    (block,) = blocks_of("docs/use-python-control.md", "control.nlsys")
     left = run_block(block)
     assert len([node for node in ast.parse(block).body if not isinstance(node, ast.Import)]) <= 10
     theta, tau = map(float, re.search(r"# ([\d.]+) rad, ([\d.]+) N\.m", block).groups())

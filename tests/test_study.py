@@ -39,7 +39,7 @@ from study_laws import deadly, slow
 import dualcam
 from dualcam import Fmu
 from dualcam.__main__ import main
-from dualcam.study import History, Plan, Scenario, Vary, plots, read_results, read_study
+from dualcam.study import Controller, History, Plan, Scenario, Vary, plots, read_results, read_study
 from dualcam.study.run.first_runs import takes_less_than
 from dualcam.study.run.runner import Runner
 from dualcam.study.run.workers import AHEAD, DIED, InThisProcess
@@ -335,6 +335,36 @@ def test_a_controller_that_fails_concerns_its_run_alone():
     assert set(block.messages) == {7, 8, 9}
     assert block.messages[9] == "controller: RuntimeError: too far"
     assert np.all(np.isfinite(block.values[:7]))
+
+
+def returning(value, writes):
+    """A run whose law returns the value."""
+    control = Controller(lambda: lambda now, seen: value, 1e-3, ["theta"], writes)
+    return runs_of(study(STARTS, Scenario(0.01, controller=control), ["tau", "F_ext"]), np.array([[0.1]]))
+
+
+@pytest.mark.parametrize("value, writes, mention", [
+    ([3.0], ["tau", "F_ext"], "the law returned 1 value, writes has 2: tau, F_ext"),
+    (3.0, ["tau", "F_ext"], "the law returned 1 value, writes has 2: tau, F_ext"),
+    ((1.0, 2.0, 3.0), ["tau", "F_ext"], "the law returned 3 values, writes has 2: tau, F_ext"),
+    (np.ones(2), ["tau"], "the law returned 2 values, writes has 1: tau"),
+    ([], ["tau"], "the law returned 0 values, writes has 1: tau"),
+    ([True], ["tau"], "type bool: allowed are real numbers"),
+    (np.array([1.0, 2.0]) > 1.5, ["tau", "F_ext"], "type bool: allowed are real numbers"),
+    (["3.2"], ["tau"], "type text, such as '3.2': allowed are real numbers"),
+    (None, ["tau"], "type object, such as None: allowed are real numbers"),
+    ([1.0, None], ["tau", "F_ext"], "allowed are real numbers"),
+])  # fmt: skip
+def test_a_law_that_returns_no_number_for_each_input(value, writes, mention):
+    text = returning(value, writes).messages[0]
+    assert text.startswith("controller: ") and mention in text
+
+
+@pytest.mark.parametrize("value", [[3, 5.0], (3.0, 5.0), np.array([3.0, 5.0]), np.array([[3], [5]])])
+def test_a_law_that_returns_a_number_for_each_input(value):
+    assert returning(value, ["tau", "F_ext"]).values.tolist() == [[3.0, 5.0]]
+    for one in (value[0], np.array(value[:1])):
+        assert returning(one, ["tau"]).values[0, 0] == 3.0
 
 
 def test_short_studies_are_made_in_this_process(tmp_path, monkeypatch):

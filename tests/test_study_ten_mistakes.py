@@ -386,7 +386,7 @@ push = {from = "5 mm", to = "9 N.m"}
 
 @pytest.mark.parametrize("optimise", [False, True])
 def test_a_design_file_tells_its_own_mistakes_and_those_of_its_study(tmp_path, optimise):
-    """Of the study those of a stage: values first, then what the FMU says."""
+    """Of the study those of a stage: the schema first, then values, then what the FMU says."""
     path = tmp_path / "my.toml"
     text = DESIGN + ('[study.optimise]\nobjectives.efficency = "maximise"' if optimise else "")
     values = ["mm and N.m"] + ([] if optimise else ["did you mean latin"])
@@ -394,7 +394,8 @@ def test_a_design_file_tells_its_own_mistakes_and_those_of_its_study(tmp_path, o
     sound = sound.replace('"5 N.m", to = "9 N.m"', "1.0, to = 1.2")
     fmu = ["'thetta'", "theta@0.5", "cam1.friction from -0.1", "cam2.frction"]
     fmu += ["'efficency'"] if optimise else []
-    for content, words in ((text, values), (sound, fmu)):
+    slips = text.replace("runs = 10", "run = 10").replace('frction" = {from', 'frction" = {form')
+    for content, words in ((slips, ["runs?", "from?"]), (text, values), (sound, fmu)):
         path.write_text(content)
         with pytest.raises(DesignFileError) as caught:
             (read_optimisation if optimise else read_study)(path)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
@@ -33,6 +34,12 @@ class Kind:
 
 def is_whole(value: object) -> bool:
     return hasattr(value, "__index__") and not isinstance(value, bool)
+
+
+def repeated(names: Iterable[object]) -> list[str]:
+    """The texts that stand there more than once."""
+    counts = Counter(name for name in names if isinstance(name, str))
+    return [name for name, count in counts.items() if count > 1]
 
 
 def hint(name: str, known: Iterable[str]) -> str:

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from dualcam.common.arrays import positive_number
+from dualcam.common.entries import repeated
 from dualcam.errors import FmuError
 from dualcam.fmi.continuous_fmu import ContinuousFmu
 from dualcam.fmi.handle import Handle
@@ -47,7 +48,7 @@ def selected_names(names: Names, allowed: Sequence[str], what: str) -> list[str]
     for name in found:
         if name not in allowed:
             raise FmuError(f"{what} {name!r}: allowed are {', '.join(allowed)}")
-    if not found or len(set(found)) < len(found):
+    if not found or repeated(found):
         raise FmuError(f"{what}s {found}: allowed are one or more of {', '.join(allowed)}, each once")
     return found
 

@@ -222,7 +222,8 @@ class SinusoidalAngle(Balance):
         for side in (1.0, -1.0):
             release, load = self.hysteresis.band(self.theta + side * amplitude)
             torque = found.mean + side * amplitude * found.first.real
-            margins.append(abs(2.0 * torque - load - release) / (load - release))
+            distance = abs(2.0 * torque - load - release)
+            margins.append(distance / (load - release) if load > release else math.inf)
         return min(margins)
 
 
@@ -236,7 +237,8 @@ class SinusoidalTorque(Balance):
         self.hysteresis, self.controller = hysteresis, controller
         self.fastest = FASTEST * math.pi / controller.period
         width = hysteresis.band(hysteresis.upper)[1] - hysteresis.band(hysteresis.lower)[0]
-        self.amplitudes = np.geomspace(1.005 * hysteresis.dead_band, width, 3 * AMPLITUDES)
+        smallest = max(1.005 * hysteresis.dead_band, SMALLEST * width)  # with no friction nothing is dead
+        self.amplitudes = np.geomspace(smallest, width, 3 * AMPLITUDES)
         self._cam = lru_cache(hysteresis.describing_function)
 
     def linear(self, frequency: float) -> complex:

@@ -15,6 +15,7 @@ ALLOWED = 0.1  # relative error of a prediction that is said to hold
 STARTS = (-0.05, 0.3, -0.95, 0.95)  # offsets from which the loop is run, of the distance to the stop there
 LEAST_MARGIN = 1.9  # see LimitCycle; measured: tests/verification/results/hunting.csv
 ON_STOP = 1e-3  # of the room between the stops
+GROWS = f"lets the controller's torque grow beyond {MOST_TORQUE:g} N.m, or a state beyond 1e308"
 
 
 @dataclass(frozen=True)
@@ -139,7 +140,7 @@ class _Checks:
             return f"is neither at rest nor in cycles after {self.duration:g} s. A longer duration decides"
         if settled.kind == "diverges":
             return (
-                f"lets the controller's torque grow beyond {MOST_TORQUE:g} N.m. The controller has a pole of"
+                f"{GROWS}. The controller has a pole of"
                 f" magnitude {self.loop.controller.largest_pole:.4g}, allowed for rest is at most 1"
             )
         lower = settled.lowest < self.hysteresis.theta
@@ -181,7 +182,7 @@ def _said(settled: LoopMotion) -> str:
     return {
         "rest": "comes to rest",
         "stop": f"is pressed on the stop {ends}",
-        "diverges": f"lets the controller's torque grow beyond {MOST_TORQUE:g} N.m, the cam {ends}",
+        "diverges": f"{GROWS}, the cam {ends}",
         "cycle": f"swings with {swing} at {settled.frequency:.4g} rad/s, from {ends}",
         "irregular": f"hunts in unequal cycles, with {swing} at {settled.frequency:.4g} rad/s, from {ends}",
         "undecided": f"is neither at rest nor in cycles at the end of the duration, from {ends}",

@@ -82,7 +82,7 @@ class SampledController:
 
     @property
     def integrates(self) -> bool:
-        """Whether a constant error makes the torque grow without end."""
+        """Whether a constant error can make the torque grow without end."""
         return self.largest_pole > 1.0 - 1e-9
 
     @property
@@ -155,8 +155,8 @@ class LoopMotion:
     ----------
     kind : str
         "rest"; "stop" where the torque presses the cam on a stop; "cycle"; "irregular" where the cam goes on
-        to move in unequal cycles; "diverges" where the controller's torque passes 1e12 N.m; or "undecided"
-        where the swing still decays or the motion is too slow for the duration.
+        to move in unequal cycles; "diverges" where the controller's torque passes 1e12 N.m, or a state
+        1e308; or "undecided" where the swing still decays or the motion is too slow for the duration.
     amplitude : float
         Half the range of the angle [rad], 0 at rest.
     torque : float
@@ -208,6 +208,7 @@ class SampledLoop:
         """Free the FMU."""
         self.fmu.close()
 
+    @np.errstate(over="ignore", invalid="ignore")  # of states that grow without end
     def settle(self, theta: float, omega: float, x: Array, bias: float, duration: float) -> LoopMotion:
         """Run from an angle [rad], a speed [rad/s] and states of the controller, until the loop rests or
         swings in equal cycles, or `duration` [s] has passed. `bias`: torque beside the controller's [N.m]."""
@@ -220,7 +221,7 @@ class SampledLoop:
                 error = self.theta - theta
                 torque = bias + float(law.C @ x) + law.D * error
                 record.add(samples * law.period, theta, torque)
-                if abs(torque) > MOST_TORQUE:
+                if not abs(torque) <= MOST_TORQUE:  # NaN where a state has left the doubles
                     return record.late("diverges")
                 x = law.A @ x + law.B * error
                 self._tau.values[:] = torque
@@ -299,20 +300,23 @@ class _Record:
         return _settled("cycle", ups, time, theta, torque)
 
     def settled(self, reference: float, pressed: bool, integrates: bool) -> LoopMotion:
-        """The limit cycle, rest, a stop on which the cam is pressed, or none of them. At rest an integrator
-        that still has an error is not settled."""
+        """The limit cycle, rest, a stop on which the cam is pressed, or none of them. At rest a torque that
+        an integrator still changes is not settled."""
         if found := self.cycle():
             return found
         if self.rests(reference):
             return self._still("rest")
         if self._quiet() and pressed:
             return self._still("stop")
-        if self._quiet() and not integrates:
+        if self._quiet() and not (integrates and self._torque_changes()):
             return self._still("rest")
         return self.irregular(FEW) or self.late("undecided")
 
     def _quiet(self) -> bool:
         return bool(np.ptp(self._late(LATE)[1]) <= self._least)
+
+    def _torque_changes(self) -> bool:
+        return bool(np.ptp(self._late(LATE)[2]) > 0.0)
 
     def _still(self, kind: str) -> LoopMotion:
         _, theta, _ = self._late(LATE)

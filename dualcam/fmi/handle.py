@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from dualcam.common.arrays import Array, number_of, real_array
+from dualcam.common.entries import repeated
 from dualcam.common.process_bound import ProcessBound
 from dualcam.common.unit_guards import warn_units
 from dualcam.errors import DualcamError, FmuError, UnknownVariableError
@@ -198,9 +199,9 @@ class Handle(ProcessBound):
         UnknownVariableError
             The FMU has no variable of a name.
         FmuError
-            A variable is not real.
+            A variable is not real, or a name stands twice.
         """
-        return Reals(self._instance, names, self._references(names))
+        return Reals(self._instance, names, self._references(names_of(names, "names")))
 
     def get(self, name: str) -> Scalar:
         """The value of one variable of any kind, for use outside the loop.
@@ -407,10 +408,13 @@ class Handle(ProcessBound):
 
 
 def names_of(names: Sequence[str], argument: str) -> list[str]:
-    """`names` as a list. FmuError for one text, and for what is no sequence."""
+    """`names` as a list. FmuError for one text, for what is no sequence, and for a name that stands twice."""
     if isinstance(names, str) or not isinstance(names, Iterable):
         raise FmuError(f"{argument} = {names!r}: allowed is a list of names of variables")
-    return list(names)
+    found = list(names)
+    if repeated(found):
+        raise FmuError(f"{argument} = {found}: allowed is each variable once")
+    return found
 
 
 def unknown_variable(name: str, names: list[str], model: str) -> str:

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from dualcam.common.entries import hint
+from dualcam.common.entries import hint, repeated
 from dualcam.common.mistakes import StudyError, refuse
 from dualcam.scenario.history import (
     ORDER,
@@ -70,6 +70,9 @@ class Controller:
         found = problem_of_number("controller.period", self.period)
         if not hasattr(self.create_law, "__qualname__"):
             found.append(f"create_law = {self.create_law!r}: allowed is a function of a module")
+        for key in ("reads", "writes"):
+            if repeated(names := getattr(self, key)):
+                found.append(f"controller.{key} = {list(names)}: allowed is each variable once")
         for name, number in self.arguments.items():
             found += problem_of_number(f"argument {name}", number, above=-math.inf)
         return found

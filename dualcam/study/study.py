@@ -24,6 +24,7 @@ from dualcam.scenario.scenario import Scenario
 from dualcam.study.plan.plan import Plan
 from dualcam.study.run.chunk import Task, Written
 from dualcam.study.run.first_runs import check, takes_less_than
+from dualcam.study.run.processes import in_a_daemon
 from dualcam.study.run.results_wanted import Readings
 from dualcam.study.run.runner import Job, Runner
 from dualcam.study.run.team import workers_for
@@ -128,7 +129,8 @@ class Study:
             s3://bucket/folder.
         workers : int, optional
             Processes of this machine. 0: in this process. None: as many as there are processors; in this
-            process where all runs of an FMU of this package take less than 2 s.
+            process where all runs of an FMU of this package take less than 2 s, or where this process is a
+            worker of multiprocessing.Pool.
         scheduler : str or distributed.Client, optional
             A Dask cluster is used instead: address of its scheduler, or a client.
         file_format : {"parquet", "csv"}, optional
@@ -205,9 +207,9 @@ class Study:
 
     def _processes(self, runner: Runner, left: int) -> int:
         """0 where the runs take less time in this process than the others take to start. The FMU of another
-        project could end this process, so it gets others in any case."""
+        project could end this process, so it gets others, where this process may start some."""
         is_short = self.fmu in MODELS and takes_less_than(START_UP, runner, self.plan, left)
-        return 0 if is_short else os.cpu_count() or 1
+        return 0 if is_short or in_a_daemon() else os.cpu_count() or 1
 
     def _runs_per_file(self) -> int:
         most = min(CHUNK_MAX, max(1, NUMBERS_MAX // self.readings.width))

@@ -375,6 +375,30 @@ def test_an_unstable_controller_is_said_to_be_one(pole):
     assert f"unstable: it has a pole of magnitude {pole:g}" in text and "Run the check" in text
 
 
+def test_an_unstable_mode_that_the_torque_does_not_show():
+    """The state of the pole 1.5 passes the largest double in 1751 periods: the torque is no number then."""
+    controller = control.ss(np.diag([1.0, 1.5]), [[PERIOD], [1.0]], [[200.0, 0.0]], 0.0, PERIOD)
+    text = analysed(controller).findings[-1]
+    assert "or a state beyond 1e308" in text and "pole of magnitude 1.5, allowed" in text
+
+
+@pytest.mark.parametrize("state_space", [(1.0, 0.0, 1.0), (1.0, PERIOD, 0.0)])
+def test_an_integrator_without_effect_lets_the_cam_rest(state_space):
+    found = analysed(control.ss(*state_space, 0.0, PERIOD), duration=20.0)
+    assert found.holds is True and found.findings == ()
+
+
+@pytest.mark.parametrize("damping", [0.0, 0.02])
+def test_without_friction_the_loop_is_linear(damping):
+    """It rests where all poles of the sampled linear loop are inside the unit circle."""
+    law, none = pi_controller(5.0, 20.0), {"cam1.friction": 0.0, "cam2.friction": 0.0}
+    plant = control.sample_system(control.tf([1.0], [INERTIA, damping, STIFFNESS * LIFT**2]), PERIOD)
+    poles = control.feedback(plant * control.tf(law)).poles()
+    found = analysed(law, none | {"shaft.damping": damping})
+    assert found.predicted == ()
+    assert found.holds is bool(np.abs(poles).max() < 1.0) is (damping > 0.0) is (not found.simulated)
+
+
 def test_ranges_are_shown_with_digits_that_differ():
     """Slow integrators: at the end of the run the cam creeps, or rests off the reference."""
     slow, crawling = (analysed(pi_controller(20.0, integral), duration=2.0) for integral in (5.0, 0.01))

@@ -24,6 +24,7 @@ from dualcam.study.optimisation.fields import Design, FmuRuns, Function
 from dualcam.study.optimisation.task import Optimisation
 from dualcam.study.plan.plan import Plan
 from dualcam.study.run.evaluator import Evaluator
+from dualcam.study.run.processes import refuse_in_a_daemon
 from dualcam.study.run.runner import Block
 from dualcam.study.study import Study
 
@@ -109,6 +110,7 @@ class FunctionModel:
         self._function, self._plan, self._results = function, plan, list(results)
         self._processes: ProcessPoolExecutor | None = None
         if workers > 0:
+            refuse_in_a_daemon()
             _check_sendable(function)
             self._processes = ProcessPoolExecutor(workers, multiprocessing.get_context("spawn"))
 

@@ -124,6 +124,7 @@ class Processes(Workers):
 
     def __init__(self, task: Task, count: int) -> None:
         super().__init__(task)
+        refuse_in_a_daemon()
         _check_sendable(task)
         self._most = count
         self._team: list[_Worker] = []
@@ -194,6 +195,20 @@ def _send_home(team: list[_Worker]) -> None:
         worker.dismiss()
     for worker in team:
         worker.join()
+
+
+def in_a_daemon() -> bool:
+    """Whether this process is one of multiprocessing's daemons, which may start no processes."""
+    return multiprocessing.current_process().daemon
+
+
+def refuse_in_a_daemon() -> None:
+    """StudyError in a process that may start no others."""
+    if in_a_daemon():
+        raise StudyError(
+            "this process is a daemon of multiprocessing, such as a worker of its Pool, and may start no"
+            " processes: use workers = 0"
+        )
 
 
 def _check_sendable(task: Task) -> None:

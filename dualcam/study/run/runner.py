@@ -23,6 +23,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from dualcam.common.arrays import real_array
 from dualcam.errors import FmuError
 from dualcam.fmi.fmu import Fmu
 from dualcam.fmi.handle import FmuState
@@ -38,6 +39,7 @@ from dualcam.study.run.step_numbers import FIRST, Arrangement, Key, StepNumbers
 
 FATAL = 4  # FMI's status from which an instance cannot be used any more
 IN_C_FROM = 3  # runs of one layout: to lay the calls out for C takes as long as some runs from Python
+NUMBERS = frozenset((float, int, np.float64))
 Call = Callable[[], int]
 
 
@@ -298,7 +300,8 @@ class Runner:
         }
 
     def _control(self, time: c_double) -> int:
-        self._commands.values[:] = self._law(time.value, self._sensed.read())
+        returned = self._law(time.value, self._sensed.read())
+        self._commands._buffer[:] = _commanded(returned, self._commands.names)  # faster than `values`
         self._commands.write()
         return 0
 
@@ -452,6 +455,18 @@ class Runner:
 def _one_of(values: Any, place: int) -> Any:  # noqa: ANN401
     """One number of an array, as an array of its own in the same memory."""
     return (c_double * 1).from_buffer(values, place * sizeof(c_double))
+
+
+def _commanded(returned: Any, names: Sequence[str]) -> list[c_double | float]:  # noqa: ANN401
+    """What a law returned, as one number for each name. FmuError for anything else."""
+    given = returned.tolist() if type(returned) is np.ndarray else returned
+    if type(given) is list and len(given) == len(names) and NUMBERS.issuperset(map(type, given)):
+        return given  # `real_array` would take as long as a step
+    values = real_array(returned, "controller: what the law returned", FmuError)
+    if values.size != len(names):
+        count = f"{values.size} value{'s' * (values.size != 1)}"
+        raise FmuError(f"controller: the law returned {count}, writes has {len(names)}: {', '.join(names)}")
+    return [*values.ravel().tolist()]
 
 
 def _unpacked(job: Job) -> Fmu:
