@@ -316,7 +316,8 @@ class _Record:
         return bool(np.ptp(self._late(LATE)[1]) <= self._least)
 
     def _torque_changes(self) -> bool:
-        return bool(np.ptp(self._late(LATE)[2]) > 0.0)
+        """At the end: between the last two rows, which are a wait apart where the cam sticks."""
+        return self._rows[-1][2] != self._rows[-2][2]
 
     def _still(self, kind: str) -> LoopMotion:
         _, theta, _ = self._late(LATE)

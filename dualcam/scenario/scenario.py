@@ -36,7 +36,8 @@ class Controller:
     ----------
     create_law : callable
         Function of a module that the workers can import. It returns a new law for each run: a function of the
-        time [s] and of the values read, in the order of `reads`. The law returns the values to write.
+        time [s] and of the values read, in the order of `reads`. The law returns one number for each of
+        `writes`, in their order.
     period : float or str
         Time between two calls of the law [s].
     reads : sequence of str
