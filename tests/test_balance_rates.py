@@ -109,7 +109,7 @@ void changes(const double *v, int known, double change[2]) {
     balance_at(&c.slip, v[STATE], v[STATE + 1], 0.0, &b);
     const BalanceChange by = {
         .theta = known == 0, .omega = known == 1, .alpha = known == 2, .axial = known == 3};
-    for (int i = 0; i < 2; i++) change[i] = balance_contact_change(&c.slip, &b, i, &by);
+    balance_contact_changes(&c.slip, &b, &by, change);
     transmission_free(&c.transmission);
 }
 """

@@ -41,6 +41,7 @@ class Quadrature(Structure):
         ("integrand", INTEGRAND),
         ("scene", c_void_p),
         ("tolerance", c_double),
+        ("rounding", c_double),
         ("total", c_double * RATES),
         ("peak", c_double * SIZES),
         ("bad", c_double),

@@ -250,13 +250,7 @@ def test_numbers_are_drawn_by_weight():
 DRAW = np.array([[1.5, 0.14]])
 
 
-def heat_of_the_last_approach(runs):
-    """Heat [J] in the last 0.1 s of the way down, from the torques asked for: R i^2 at 6 x 0.091 N.m/A."""
-    return np.sum(0.170 * (runs.torques[0, 1900:2000] / 0.546) ** 2) * 1e-3
-
-
-def test_an_informed_plan_follows_the_cycle_and_rests_without_current(monkeypatch):
-    """The numbers are those of the page's section "What comes out"."""
+def test_an_informed_plan_follows_the_cycle_and_rests_without_current():
     mppi = example.run_block("MPPI, informed", DRAW, 0)
     cost, heat, error, end, current, off = mppi.figures[0]
     assert (current, off) == (0.0, 100.0)
@@ -264,17 +258,8 @@ def test_an_informed_plan_follows_the_cycle_and_rests_without_current(monkeypatc
     assert np.ptp(mppi.angles[0, example.LATE_REST[500:]]) == 0.0
     assert error < 1.0 and end < 1.0  # mrad
     assert cost == pytest.approx(heat + 4.0 * error**2)
-    lqi = example.run_block("LQI, informed", DRAW, 0)
-    monkeypatch.setattr(example, "COUNT", 1e-9)  # rad: an encoder without steps
-    exact = example.run_block("LQI, informed", DRAW, 0)
     assert np.all(mppi.torques[0, 1950:2000] == 0.0)  # off 50 ms before the arrival
     assert 1e3 * (mppi.angles[0, 1999] - controllers.ANGLES[2000]) == pytest.approx(-0.4, abs=0.1)
-    page = PAGE.read_text(encoding="utf-8")
-    for name, runs in (("LQI", lqi), ("LQI, informed, exact encoder", exact), ("MPPI", mppi)):
-        shown = re.search(rf"^\| {name}[a-z, ]* \| ([\d.]+) J \| ([\d.]+) J \|$", page, re.MULTILINE)
-        assert shown is not None
-        assert float(shown[1]) == pytest.approx(runs.figures[0, 1], abs=0.15)
-        assert float(shown[2]) == pytest.approx(heat_of_the_last_approach(runs), abs=0.15)
 
 
 def test_the_estimate_costs_its_error_at_the_beginning_of_the_way_down():

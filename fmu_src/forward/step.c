@@ -234,6 +234,15 @@ static void undo(Mechanism *m, const State *state, const Inputs *inputs) {
     forget_cache(&m->cache);
 }
 
+/* Brings a failed step back to its start. Its texts are large: the function stands apart from the stack of a step. */
+COLD NOINLINE static void refuse(Mechanism *m, Outcome outcome, double h, const State *state, const Inputs *inputs,
+                                 Fault *fault) {
+    char reason[REASON_SIZE];
+    describe_reason(m, outcome, reason);
+    undo(m, state, inputs);
+    describe_failure(fault, m, h, reason);
+}
+
 /* ---- steps of the master ---- */
 
 /* Tells the watcher of mode changes. */
@@ -278,10 +287,7 @@ static bool advance_by_segments(Mechanism *m, double h, const Segment *first, co
         m->state.step = step;
         return true;
     }
-    char reason[REASON_SIZE];
-    describe_reason(m, outcome, reason);
-    undo(m, &state, &inputs);
-    describe_failure(fault, m, h, reason);
+    refuse(m, outcome, h, &state, &inputs, fault);
     return false;
 }
 

@@ -13,21 +13,18 @@ from dualcam.common.moved import old_names
 class ImpedanceController:
     """A virtual spring and damper between a joint and its reference motion.
 
-        Parameters
-        ----------
-        stiffness : float
-            Stiffness of the virtual spring [N.m/rad].
-        damping : float
-            Coefficient of the virtual damper [N.m.s/rad].
+    Parameters
+    ----------
+    stiffness : float
+        Stiffness of the virtual spring [N.m/rad].
+    damping : float
+        Coefficient of the virtual damper [N.m.s/rad].
 
-        Examples
-        --------
-        >>> from typing import TYPE_CHECKING
-
-    from dualcam.common.moved import old_names
-    from dualcam.systems.blocks.impedance import ImpedanceController
-        >>> ImpedanceController(stiffness=100.0, damping=5.0).torque(error=0.1, rate=-1.0)
-        -5.0
+    Examples
+    --------
+    >>> from dualcam.systems.blocks.impedance import ImpedanceController
+    >>> ImpedanceController(stiffness=100.0, damping=5.0).torque(error=0.1, rate=-1.0)
+    -5.0
     """
 
     stiffness: float
