@@ -218,12 +218,6 @@ def test_python_rooms_are_those_of_the_tree_in_order():
     assert set(load(DOCS / "figures" / "architecture.py").PYTHON_ROOMS) == set(rows)
 
 
-def test_python_files_named_exist():
-    named = set(re.findall(r"`((?:dualcam|docs|tests)/[\w/.]+)`", PYTHON_PACKAGE))
-    assert len(named) > 30
-    assert {name for name in named if not (ROOT / name).exists()} == set()
-
-
 # ---- variables.md ----
 
 
