@@ -198,10 +198,6 @@ VERIFICATION = (
         *("tests/native/fuzz/run.py", "test,fuzz"),
     ),
     Program(
-        *("fuzz-cuts", "How many scenes depend on how an interval is cut into steps?", 10),
-        *("-m verification.cut_scan", "test"),
-    ),
-    Program(
         *("hash", "Do all platforms and compilers compute the same bits?", 5),
         *("-m verification.trajectory_hash", "test"),
         build="all",
@@ -252,7 +248,6 @@ REFRESH = (
     ("elementary", "--rounds 11", 2),
     ("ssp", "", 3),
     ("platforms", "--rounds 3", 3),
-    ("fuzz-cuts", "--minutes 3", 4),
     ("hash", "", 5),
     ("masters", "", 5),
     ("bench", "", 7),

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks.harness import circumstances, core
+from benchmarks.harness import circumstances
 from benchmarks.harness.processes import TooLong, time_limit
 from benchmarks.rates.measure import MICROSECOND, Group, Limit, Measure
 from verification.processes import Lost, in_processes
@@ -34,21 +34,6 @@ def test_the_time_limit_ends_work_and_leaves_no_alarm():
     with time_limit(0.05):
         pass
     time.sleep(0.1)
-
-
-def test_limits_are_read_from_all_files(monkeypatch, tmp_path):
-    """Wherever the file stands, and however the constant is defined."""
-    (tmp_path / "room").mkdir()
-    (tmp_path / "room/loop.c").write_text("enum { FEW = 12 };\nstatic const double SMALL = 1e-13;\n")
-    (tmp_path / "room/loop.h").write_text("#define MANY 200000\nfor (int n = 0; n < 9; n++) {}\n")
-    monkeypatch.setattr(core, "FMU_SRC", tmp_path)
-    names = {"few": "FEW", "small": "SMALL", "many": "MANY", "loop": "", "none": "NONE"}
-    monkeypatch.setattr(core, "LOOP_LIMITS", {name: ("loop", constant) for name, constant in names.items()})
-    assert [core.loop_limit(name) for name in ("few", "small", "many", "loop")] == [12.0, 1e-13, 2e5, 9.0]
-    with pytest.raises(KeyError):
-        core.loop_limit("none")
-    with pytest.raises(FileNotFoundError):
-        core.source_text("elsewhere")
 
 
 @pytest.fixture

@@ -458,26 +458,8 @@ def test_table_of_the_page(results):
         assert [cell.strip() for cell in cells.split("|")] == measured
 
 
-def test_command_line(tmp_path, capsys):
-    output = tmp_path / "door.png"
-    example.main(["--fmu", str(FMU), "--output", str(output)])
-    printed = capsys.readouterr().out
-    assert max(map(len, printed.splitlines()[:-1])) <= 110
-    assert output.stat().st_size > 20_000
-
-
 def test_example_and_report_run_the_same_cycles(results):
     cycles = example.run(FMU)
     assert {case: cycle.move_energy for case, cycle in cycles.items()} == {
         case: cycle.move_energy for case, cycle in results.cycles.items()
     }
-
-
-def test_report(tmp_path, capsys):
-    output = tmp_path / "door.png"
-    report.main(["--fmu", str(FMU), "--output", str(output)])
-    printed = capsys.readouterr().out
-    assert max(map(len, printed.splitlines()[:-1])) <= 110
-    factor = float(re.search(r"Real-time factor of the 1 kHz loop: (\d+)", printed).group(1))
-    assert factor > 1.0
-    assert output.stat().st_size > 20_000

@@ -417,18 +417,6 @@ def test_an_ssp_package_is_valid_and_holds_the_fmu(design, capsys):
                 etree.XMLSchema(schema).assertValid(etree.fromstring(archive.read(name)))
 
 
-def test_warnings_of_a_design_go_to_the_error_output(design, capsys):
-    design.write_text(design.read_text().replace('stiffness = "50 N/mm"', "stiffness = 50"))
-    for words in (
-        ["band", "my.toml"],
-        ["simulate", "my.toml", "-o", "out.csv"],
-        ["report", "my.toml", "-o", "r.html"],
-    ):
-        said = spoken(capsys, *words)
-        assert said.err.count("this looks like N/mm; 50 N/mm is 50000 N/m") == 1
-        assert "looks like" not in said.out
-
-
 def packaged(path):
     """Start values of the FMU in a package, by the name of the variable."""
     with zipfile.ZipFile(path) as archive:
@@ -472,28 +460,6 @@ def test_an_inverse_fmu_whose_stops_exclude_0_starts_at_the_nearest_stop(folder,
 
 
 # ---- nothing goes wrong silently ----
-
-
-@pytest.mark.parametrize(
-    "words",
-    [
-        ["check"],
-        ["band"],
-        ["simulate", "-o", "out.csv"],
-        ["export", "-o", "A.fmu"],
-        ["report", "-o", "r.html"],
-        ["ssp", "-o", "A.ssp"],
-        ["design", "--torque", "5e3", "-o", "groove.csv"],
-        ["study", "--workers", "0", "--format", "csv"],
-    ],
-)
-def test_each_command_says_that_a_radius_of_20_looks_like_millimetres(design, capsys, words):
-    text = design.read_text(encoding="utf-8").replace('"20 mm"', "20.0").partition("[pin]")[0]
-    study = "[study]\nresults = ['z']\n[study.plan]\nkind = 'latin'\nruns = 1\n"
-    vary = "[study.plan.vary]\n'cam1.friction' = { from = 0.1, to = 0.2 }\n"
-    design.write_text(text + study + vary, encoding="utf-8")
-    said = spoken(capsys, words[0], "my.toml", *words[1:])
-    assert "cam1.radius = 20 m: this looks like millimetres; 20 mm is 0.02 m" in said.out + said.err
 
 
 def test_unequal_radii_keep_groove_2(design, capsys):

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 import test_step_sensitivity as step_sensitivity
 from driver import Driver, models
-from friction_scenes import LOADED_FILE, LOADED_WANTED, load
+from friction_scenes import LOADED_FILE, LOADED_WANTED
+from general_scenes import load
 from reference.friction import FrictionLaw
 from reference.parameters import DEFAULTS
 from scipy.optimize import brentq

@@ -10,8 +10,8 @@ from functools import partial
 import numpy as np
 import pytest
 from driver import models
-from friction_scenes import WANTED, load
-from general_scenes import MEASURED, Scene, scales
+from friction_scenes import FILE, WANTED
+from general_scenes import MEASURED, Scene, load, scales
 from reference import simulate
 from test_general_accuracy import TOLERANCES, allowed_errors, cuts, drive, short_cuts, title, verdict
 
@@ -25,7 +25,7 @@ def model():
 
 @pytest.fixture(scope="module")
 def scenes(tmp_path_factory) -> list[Scene]:
-    return load(tmp_path_factory.mktemp("tables"))
+    return load(tmp_path_factory.mktemp("tables"), FILE)
 
 
 @pytest.mark.parametrize("chunk", range(CHUNKS))

@@ -153,18 +153,6 @@ def test_output_derivatives(make_model, tmp_path, direction, share, slow):
     output_derivatives.check_between_events(fmu, inputs, h, mode)
 
 
-def test_a_restored_run_repeats(make_model, table):
-    fmu = make_model(FORWARD).start(both(table))
-    fmu.step(0.02, tau=7.0)
-    state, runs = fmu.take(), []
-    for _ in range(2):
-        fmu.restore(state)
-        fmu.time = 0.02
-        fmu.step(0.02, tau=11.0)
-        runs.append(fmu.everything())
-    assert runs[0] == runs[1]
-
-
 HEAD = "v_m_s,R_N,mu\n"
 GRID = [(v, r, 0.1) for r in (50, 100) for v in (0, 0.1, 0.2)]
 REFUSED = {

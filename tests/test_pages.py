@@ -76,13 +76,9 @@ def test_findings_on_the_page_are_those_of_check(tmp_path, monkeypatch, capsys):
     assert all(" ".join(line.split()) in shown for line in lines), lines
 
 
-def test_fmpy_block(run_block):
+def test_fmpy_block_ends_in_mode_2(run_block):
     (block,) = blocks_of("README.md", "fmpy")
-    last = run_block(block)["result"][-1]
-    theta, omega = map(float, re.search(r"theta = ([\d.]+) rad, omega = ([\d.]+)", block).groups())
-    assert last["theta"] == pytest.approx(theta, abs=5e-5)
-    assert last["omega"] == pytest.approx(omega, abs=5e-3)
-    assert last["mode"] == 2
+    assert run_block(block)["result"][-1]["mode"] == 2
 
 
 def test_python_control_block(run_block, capsys):
@@ -96,21 +92,6 @@ def test_python_control_block(run_block, capsys):
     assert printed == pytest.approx([theta, tau], abs=5e-5)
     assert left["theta"][-1] == pytest.approx(0.6, abs=1e-3)
     assert left["tau"][-1] == pytest.approx(0.01 * 1.14 / 0.86 * (50.0 + 500.0 * left["theta"][-1]), rel=1e-2)
-
-
-def test_design_block(run_block, capsys):
-    (block,) = blocks_of("docs/use-grooves.md", "assess")
-    run_block(block)
-    said = float(re.search(r"# ([\d.]+) N\.m both", block)[1])
-    assert [float(word) for word in capsys.readouterr().out.split()] == pytest.approx([said, said], abs=5e-5)
-
-
-def test_summary_of_a_design_is_the_pages(run_block, capsys):
-    (block,) = blocks_of("docs/use-grooves.md", "summary")
-    run_block(block)
-    printed = capsys.readouterr().out
-    shown = re.findall(r"^((?:slow|efficiency|not self).*)$", TEXTS["docs/use-grooves.md"], re.MULTILINE)
-    assert len(shown) == 3 and all(line in printed for line in shown)
 
 
 # ---- the robot joint ----
@@ -235,12 +216,6 @@ def test_python_rooms_are_those_of_the_tree_in_order():
         assert {other for other in allowed[room] if rows.index(other) >= rows.index(room)} == set()
     assert rows[-1] == "cli"
     assert set(load(DOCS / "figures" / "architecture.py").PYTHON_ROOMS) == set(rows)
-
-
-def test_python_files_named_exist():
-    named = set(re.findall(r"`((?:dualcam|docs|tests)/[\w/.]+)`", PYTHON_PACKAGE))
-    assert len(named) > 30
-    assert {name for name in named if not (ROOT / name).exists()} == set()
 
 
 # ---- variables.md ----

@@ -345,23 +345,3 @@ def test_page_says_what_the_example_prints(results):
             number = cell.split()[0]
             digits = len(number.partition(".")[2])
             assert float(number) == pytest.approx(value, abs=0.51 * 10.0**-digits)
-
-
-def test_command_line(tmp_path, capsys):
-    output = tmp_path / "knee.png"
-    example.main(["--fmu", str(FMU), "--output", str(output)])
-    printed = capsys.readouterr().out
-    assert max(map(len, printed.splitlines()[:-1])) <= 110
-    assert str(output) in printed
-    assert output.stat().st_size > 20_000
-
-
-def test_report(tmp_path, capsys):
-    output = tmp_path / "knee.png"
-    report.main(["--fmu", str(FMU), "--output", str(output)])
-    printed = capsys.readouterr().out
-    assert "Where it does not" in printed
-    assert "times real time" in printed
-    assert max(map(len, printed.splitlines()[:-1])) <= 110
-    assert str(output) in printed
-    assert output.stat().st_size > 20_000

@@ -8,7 +8,6 @@ import control
 import numpy as np
 import pytest
 
-from case_studies import robot_joint as report
 from dualcam import Fmu
 from dualcam.systems.blocks.current_loop import CurrentLoop
 from dualcam.systems.blocks.gravity import GravityLoad
@@ -250,20 +249,3 @@ def test_holding_is_free_inside_the_band(results):
     weight = elbow.horizontal_torque(1.5) * math.sin(math.radians(10) + elbow.MOTION.end)
     assert results[1.5, BARE].hold_current == pytest.approx(weight / MOTOR.output_constant, rel=1e-3)
     assert results[0.0, CAM].hold_current > 1.0  # too light for this spring
-
-
-def test_command_line(tmp_path, capsys):
-    output = tmp_path / "joint.png"
-    example.main(["--fmu", str(FMU), "--output", str(output)])
-    printed = capsys.readouterr().out
-    assert "does not lift" in printed
-    assert max(map(len, printed.splitlines()[:-1])) <= 110
-    assert str(output) in printed
-    assert output.stat().st_size > 20_000
-
-
-def test_report(tmp_path, capsys):
-    output = tmp_path / "joint.png"
-    report.main(["--fmu", str(FMU), "--output", str(output)])
-    assert str(output) in capsys.readouterr().out
-    assert output.stat().st_size > 20_000

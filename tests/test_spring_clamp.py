@@ -327,13 +327,3 @@ def test_table_of_the_page(results):
         assert [cell.strip() for cell in cells.split("|")] == example.result_row(
             record, example.cycle_at(int(minute), record)
         )
-
-
-def test_command_line(tmp_path, capsys, monkeypatch):
-    run = example.run
-    monkeypatch.setattr(example, "run", lambda path: run(path, cycles=5))
-    output = tmp_path / "clamp.png"
-    example.main(["--fmu", str(FMU), "--output", str(output)])
-    printed = capsys.readouterr().out
-    assert max(map(len, printed.splitlines()[:-1])) <= 110
-    assert output.stat().st_size > 20_000

@@ -28,10 +28,14 @@ from study_cases import (
     PUSH,
     RESULTS,
     SLOW_PLAN,
+    Stop,
+    after,
     closed,
+    cluster_of,
     every_run_once,
     refused,
     runs_of,
+    stop,
     study,
 )
 from study_laws import deadly, slow
@@ -43,7 +47,6 @@ from dualcam.study import Controller, History, Plan, Scenario, Vary, plots, read
 from dualcam.study.run.first_runs import takes_less_than
 from dualcam.study.run.runner import Runner
 from dualcam.study.run.workers import AHEAD, DIED, InThisProcess
-from dualcam.study.store.store import RECORD
 from dualcam.study.study import _progress
 
 NULL = ROOT / "build/NullFmu.fmu"
@@ -421,20 +424,6 @@ def test_a_study_shows_its_progress(tmp_path):
 # ---- folders, processes, interruptions ----
 
 
-class Stop(Exception):
-    pass
-
-
-def after(chunks, action):
-    """To be called after each chunk; acts after that many."""
-    count = itertools.count(1)
-    return lambda: action() if next(count) == chunks else None
-
-
-def stop():
-    raise Stop
-
-
 without_pyarrow = pytest.mark.skipif(find_spec("pyarrow") is None, reason="pyarrow is not installed")
 FORMATS = ["csv", pytest.param("parquet", marks=without_pyarrow)]
 
@@ -472,15 +461,6 @@ def test_a_run_that_kills_its_process_is_a_failed_row(tmp_path):
     assert np.sum(np.isfinite(table["theta"])) == 9
 
 
-def test_another_study_in_the_folder_is_refused(tmp_path):
-    study().run(tmp_path, workers=0)
-    with refused("another study", "plan"):
-        study(Plan("latin", DESIGN, runs=65)).run(tmp_path, workers=0)
-    (tmp_path / RECORD).write_text("{")
-    with refused("cannot be read"):
-        study().run(tmp_path, workers=0)
-
-
 def test_parquet_without_pyarrow_is_refused_and_csv_then_taken(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "pyarrow", None)
     with refused("pyarrow", "pip install", "csv"):
@@ -507,12 +487,9 @@ def test_a_full_disk_loses_nothing(tmp_path):
 
 
 def test_a_cluster_whose_worker_is_killed_loses_no_run(tmp_path):
-    distributed = pytest.importorskip("distributed", reason="dask.distributed is not installed")
     plan = Plan("latin", DESIGN, runs=60)
     one = study(plan, closed(slow, 0.1, 0.02), ["theta", "energy.work_in"])
-    with distributed.LocalCluster(
-        n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None
-    ) as cluster:
+    with cluster_of(n_workers=2, processes=True) as cluster:
         worker = next(iter(cluster.workers.values()))
         kill = after(2, lambda: os.kill(worker.pid, signal.SIGKILL))
         one.run_to_files(tmp_path, scheduler=cluster.scheduler_address, runs_per_file=3, on_file_written=kill)
@@ -522,13 +499,12 @@ def test_a_cluster_whose_worker_is_killed_loses_no_run(tmp_path):
 
 
 def test_a_run_that_kills_its_worker_is_a_failed_row(tmp_path):
-    distributed = pytest.importorskip("distributed", reason="dask.distributed is not installed")
     dask = pytest.importorskip("dask")
     starts = Plan("grid", {"initial.theta": Vary(0.1, 1.0, count=4)})  # 0.4 is the second
     one = study(starts, closed(deadly), ["theta"])
     with (
         dask.config.set({"distributed.scheduler.allowed-failures": 0}),
-        distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,
+        cluster_of(n_workers=2) as cluster,
     ):
         one.run_to_files(tmp_path, scheduler=cluster.scheduler_address, runs_per_file=1)
     every_run_once(tmp_path, one)
@@ -536,13 +512,9 @@ def test_a_run_that_kills_its_worker_is_a_failed_row(tmp_path):
 
 
 def test_a_cluster_that_goes_away_is_told_and_nothing_is_lost(tmp_path, monkeypatch):
-    distributed = pytest.importorskip("distributed", reason="dask.distributed is not installed")
     monkeypatch.setattr("dualcam.study.run.cluster.UNREACHABLE_AFTER", "2s")
     one = study(Plan("latin", DESIGN, runs=60), closed(slow, 0.1, 0.02), ["theta"])
-    with (
-        distributed.LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None) as cluster,
-        refused("does not answer any more", "kept"),
-    ):
+    with cluster_of(n_workers=1) as cluster, refused("does not answer any more", "kept"):
         one.run_to_files(
             tmp_path,
             scheduler=cluster.scheduler_address,
@@ -685,26 +657,6 @@ def test_a_killed_command_leaves_no_processes_and_goes_on(tmp_path, signal_numbe
     one.run_to_files(out / "small", workers=0)
     still = study(one.plan, Scenario(0.01, {"tau": History([0.0], [8.0])}), one.results)
     assert np.allclose(every_run_once(out / "small", one), runs_of(still).values, rtol=1e-12)
-
-
-@pytest.mark.parametrize(
-    "old, new, mentions",
-    [
-        ("runs = 64", "runs = 0", ["small.toml", "power of 2"]),
-        ("stop = 0.1", "", ["lacks stop"]),
-        ("stop = 0.1", 'stop = "soon"', ["small.toml"]),
-        ('kind = "map"', 'kind = "globe"', ["globe", "map"]),
-        ("[plan]", "[plan", ["TOML"]),
-        ("{fmu}", "nowhere.fmu", ["nowhere.fmu"]),
-    ],
-)
-def test_the_command_says_what_is_wrong(tmp_path, capsys, old, new, mentions):
-    plan = tmp_path / "small.toml"
-    plan.write_text(PLAN.replace(old, new).format(fmu=FORWARD))
-    assert main(["study", str(plan), "--out", str(tmp_path / "out"), "--workers", "0"]) == 1
-    said = capsys.readouterr().err
-    assert all(mention in said for mention in mentions), said
-    assert not (tmp_path / "out").exists()
 
 
 @pytest.mark.parametrize(

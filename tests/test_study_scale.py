@@ -1,13 +1,10 @@
 """Workers that write the files of runs themselves, folders that are stores, and what goes wrong there.
 Whatever happens, every run is there once."""
 
-import itertools
 import json
-import multiprocessing
 import os
 import pickle
 import resource
-import signal
 import subprocess
 import sys
 from contextlib import suppress
@@ -15,8 +12,20 @@ from contextlib import suppress
 import numpy as np
 import pytest
 from filelock import FileLock
-from study_cases import DESIGN, FORWARD, PLAN, PUSH, closed, every_run_once, refused, runs_of, study
-from study_laws import slow
+from study_cases import (
+    DESIGN,
+    FORWARD,
+    PLAN,
+    PUSH,
+    Stop,
+    after,
+    cluster_of,
+    every_run_once,
+    refused,
+    runs_of,
+    stop,
+    study,
+)
 
 from dualcam import Fmu
 from dualcam.study import Evaluator, Plan, Vary, read_results
@@ -29,20 +38,6 @@ fsspec = pytest.importorskip("fsspec", reason="fsspec is not installed")
 pytest.importorskip("pyarrow", reason="pyarrow is not installed")
 
 
-class Stop(Exception):
-    pass
-
-
-def after(count, action):
-    """To be called after each file; acts after that many."""
-    numbers = itertools.count(1)
-    return lambda: action() if next(numbers) == count else None
-
-
-def stop():
-    raise Stop
-
-
 @pytest.fixture
 def store():
     """URL of a store in the memory of this process, which is empty."""
@@ -52,11 +47,6 @@ def store():
     yield "memory://studies/one"
     with suppress(FileNotFoundError):
         files.rm("/studies", recursive=True)
-
-
-def small_cluster(**more):
-    distributed = pytest.importorskip("distributed", reason="dask.distributed is not installed")
-    return distributed.LocalCluster(threads_per_worker=1, dashboard_address=None, **more)
 
 
 # ---- stores ----
@@ -87,7 +77,7 @@ def test_a_client_of_any_kind_and_workers_that_write_into_a_store(store):
     """Threads of this process see its memory."""
     distributed = pytest.importorskip("distributed")
     one = study()
-    with small_cluster(n_workers=2, processes=False) as cluster, distributed.Client(cluster) as client:
+    with cluster_of(n_workers=2, processes=False) as cluster, distributed.Client(cluster) as client:
         one.run_to_files(store, scheduler=client, runs_per_file=8)
         assert client.status == "running"
         assert client.submit(lambda: 7).result() == 7
@@ -183,18 +173,6 @@ def test_a_worker_that_finds_the_disk_full_loses_nothing(tmp_path):
     assert np.array_equal(table["theta"], runs_of(one).values[:, one.readings.raw.index("theta")])
 
 
-def test_workers_killed_in_the_middle_of_a_file(tmp_path):
-    """kill -9 of a process that computes; each of its runs takes 20 ms."""
-    one = study(Plan("latin", DESIGN, runs=40), closed(slow, 0.02, 0.02), ["theta"])
-
-    def kill():
-        for process in multiprocessing.active_children():
-            os.kill(process.pid, signal.SIGKILL)
-
-    one.run_to_files(tmp_path, workers=2, runs_per_file=5, on_file_written=after(2, kill))
-    every_run_once(tmp_path, one)
-
-
 def test_a_process_of_a_study_loads_neither_scipy_nor_pydantic():
     """Each process imports dualcam.study before it computes: SciPy alone takes half a second. The names of
     optimisations and of files are loaded at their first use."""
@@ -231,7 +209,7 @@ def test_rows_on_a_cluster_with_formulas_and_failures():
     results = ["theta", "twice = 2 * theta@0.2", "series(theta, at=[0.1, 0.2])"]
     one = study(plan, PUSH, results, parameters={"cam1.profile": 2})
     with (
-        small_cluster(n_workers=1, processes=False) as cluster,
+        cluster_of(n_workers=1, processes=False) as cluster,
         distributed.Client(cluster) as client,
         Evaluator(one, scheduler=client) as evaluate,
     ):

@@ -25,6 +25,7 @@ from study_cases import (
     PLAN,
     SLOW_PLAN,
     closed,
+    cluster_of,
     every_run_once,
     refused,
     runs_of,
@@ -176,6 +177,12 @@ def test_an_fmu_that_is_none_to_run(tmp_path, make, mentions):
         ('kind = "sobol"', 'kind = ["sobol"]', ["['sobol']", "did you mean sobol"]),
         ("stop = 0.1", "stop = 0.1\nstep = 0", ["step = 0", "above 0"]),
         ("stop = 0.1", "stop = inf", ["stop = inf", "finite"]),
+        ("runs = 64", "runs = 0", ["small.toml", "power of 2"]),
+        ("stop = 0.1", "", ["lacks stop"]),
+        ("stop = 0.1", 'stop = "soon"', ["small.toml"]),
+        ('kind = "map"', 'kind = "globe"', ["globe", "map"]),
+        ("[plan]", "[plan", ["TOML"]),
+        ("{fmu}", "nowhere.fmu", ["nowhere.fmu"]),
         ("stop = 0.1", 'stop = 0.1\ncontroller.create_law = "os:none"', ["controller", "lacks", "period"]),
     ],
 )
@@ -348,7 +355,7 @@ def test_a_record_that_is_none_is_told(tmp_path):
 
 def test_what_differs_from_the_study_before_is_named(tmp_path):
     study().run(tmp_path, workers=0)
-    with refused("plan: runs", "plan: seed", "another folder"):
+    with refused("another study", "plan: runs", "plan: seed", "another folder"):
         study(Plan("latin", DESIGN, runs=65, seed=2)).run(tmp_path, workers=0)
     with refused("results"):
         study(results=["theta"]).run(tmp_path, workers=0)
@@ -491,14 +498,9 @@ def test_processes_killed_at_any_moment_lose_no_run(tmp_path):
     assert np.array_equal(every_run_once(tmp_path, one), runs_of(one).values)
 
 
-def cluster(**more):
-    distributed = pytest.importorskip("distributed", reason="dask.distributed is not installed")
-    return distributed.LocalCluster(threads_per_worker=1, dashboard_address=None, **more)
-
-
 def test_a_cluster_without_workers_is_told(tmp_path, monkeypatch):
     monkeypatch.setattr("dualcam.study.run.cluster.NO_WORKERS_FOR", 1)
-    with cluster(n_workers=0) as empty, refused("has no workers", "same command"):
+    with cluster_of(n_workers=0) as empty, refused("has no workers", "same command"):
         study().run_to_files(tmp_path, scheduler=empty.scheduler_address)
     assert not list(tmp_path.glob("runs/*"))
 
@@ -513,7 +515,7 @@ def test_a_cluster_that_loses_its_workers_is_told_and_nothing_is_lost(tmp_path, 
         if len(chunks) == 2:
             dying.scale(0)
 
-    with cluster(n_workers=2) as dying, refused("has no workers", "kept"):
+    with cluster_of(n_workers=2) as dying, refused("has no workers", "kept"):
         one.run_to_files(
             tmp_path, scheduler=dying.scheduler_address, runs_per_file=3, on_file_written=dismiss
         )
@@ -524,5 +526,5 @@ def test_a_cluster_that_loses_its_workers_is_told_and_nothing_is_lost(tmp_path, 
 
 def test_workers_without_the_package_are_told(tmp_path):
     absent = "import sys; sys.modules['dualcam.study.run.runner'] = None"
-    with cluster(n_workers=1, preload=absent) as bare, refused("cannot take", "dualcam"):
+    with cluster_of(n_workers=1, preload=absent) as bare, refused("cannot take", "dualcam"):
         study().run_to_files(tmp_path, scheduler=bare.scheduler_address)

@@ -3,11 +3,9 @@ functions."""
 
 from __future__ import annotations
 
-import cut_dependence
 import driver
 import general_scenes
-import random_scenes
 import reference
 from reference import Interval
 
-__all__ = ["Interval", "cut_dependence", "driver", "general_scenes", "random_scenes", "reference"]
+__all__ = ["Interval", "driver", "general_scenes", "reference"]

@@ -119,14 +119,6 @@ failed.
 {measured("fuzz_runs")}"""
 
 
-def cuts() -> str:
-    rows = read("cut_scan")
-    head = [column for column in rows[0] if column not in FACTS]
-    return f"""\
-{table(head, [[row[column] for column in head] for row in rows])}
-{measured("cut_scan")}"""
-
-
 def answers() -> str:
     laws = {
         "everything at random": "Coulomb friction",
@@ -260,10 +252,7 @@ nothing, a restored state repeats its step bit for bit, a reset instance equals 
 {count} inputs, {size // 1000} kB; the suite plays them all. Commands: `./build.sh run fuzz-calls`, and
 `./build.sh run fuzz` for mechanisms, extreme values, design files and plans.
 
-{long_runs()}
-`./build.sh run fuzz-cuts` looks for scenes whose answer depends on how an interval is cut into steps.
-
-{cuts()}"""
+{long_runs()}"""
 
 
 def endurance() -> str:

@@ -8,14 +8,13 @@ of them to prove the file.
 
 from __future__ import annotations
 
-import gzip
-import json
 from collections.abc import Iterator
 from multiprocessing import Pool
 from pathlib import Path
 
+import general_scenes
 import numpy as np
-from general_scenes import Scene, from_json, regime, to_json
+from general_scenes import Scene, regime, save, to_json
 from reference import Refused, random_scene, simulate_exact
 
 FILE = Path(__file__).resolve().parents[1] / "data" / "exact_scenes.json.gz"
@@ -47,15 +46,14 @@ def solved(chunk: int) -> list[Scene]:
 
 def load() -> list[list[Scene]]:
     """The scenes of each chunk."""
-    scenes = [from_json(entry, FILE.parent) for entry in json.loads(gzip.decompress(FILE.read_bytes()))]
+    scenes = general_scenes.load(FILE.parent, FILE)
     return [[s for s in scenes if s.number // TRIALS == chunk] for chunk in range(CHUNKS)]
 
 
 def main() -> None:
     with Pool() as pool:
         entries = [to_json(scene, {}) for scenes in pool.imap(solved, range(CHUNKS)) for scene in scenes]
-    FILE.write_bytes(gzip.compress(json.dumps(entries, separators=(",", ":")).encode(), mtime=0))
-    print(f"{len(entries)} scenes, {FILE.stat().st_size / 1000:.0f} kB in {FILE}")
+    save(entries, FILE)
 
 
 if __name__ == "__main__":

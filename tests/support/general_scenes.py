@@ -17,7 +17,7 @@ import math
 import signal
 import tempfile
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import astuple, dataclass, replace
 from itertools import count
@@ -63,6 +63,10 @@ class Scene:
     points: list[Point]
     error: dict[str, float]  # estimated absolute error of the solution, largest over the points
     condition: float  # largest relative change of motion and accounts, per relative change of the data
+
+
+Drawn = tuple[dict[str, Any], list[Interval]]
+Found = tuple[Scene, Tables]
 
 
 def regime(params: Mapping[str, Any]) -> str:
@@ -143,34 +147,41 @@ def patience() -> Iterator[None]:
         signal.setitimer(signal.ITIMER_PROF, 0)
 
 
-def candidate(number: int) -> tuple[Scene, Tables] | None:
-    """Scene `number` with its tables, or None if the scene is not fit for a test."""
+def fit(number: int, draw: Callable[[str], Drawn | None], rng: np.random.Generator) -> Found | None:
+    """Scene `number` with its tables, which `draw` writes into a folder; None if it is not fit for a test."""
     with tempfile.TemporaryDirectory() as folder:
-        rng = np.random.default_rng([20, number])
-        params, intervals = random_general_scene(rng, folder)
         try:
             with patience():
+                drawn = draw(folder)
+                if drawn is None:
+                    return None
+                params, intervals = drawn
                 points = simulate(params, intervals)
                 if points[-1].events > MOST_EVENTS:
                     return None
                 others = simulate(*nudged(params, intervals, rng), rtol=3e-13)
                 apart = simulate(*nudged(params, intervals, rng, PROBE))
-        except (Refused, ArithmeticError, ValueError, TimeoutError):
+        except (Refused, ArithmeticError, ValueError, TypeError, TimeoutError):
             return None
-        doubts = {doubt for p in (*points, *others) for doubt in p.doubts}
-        same = [(p.mode, p.events) for p in points] == [(p.mode, p.events) for p in others]
-        error, size = differences(points, others), scales(points)
-        closed = all(abs(p.energy["residual"]) <= LARGEST_ERROR * size["energy.residual"] for p in points)
-        small = all(error[name] <= LARGEST_ERROR * size[name] for name in MEASURED)
-        if not (doubts <= {FADING, STILL} and (same or doubts) and small and closed):
-            return None
-        moved = differences(points, apart)
-        condition = max(moved[n] / size[n] for n in MEASURED if not n.startswith("peak.")) / PROBE
         tables = {n: read_table(p) for n, p in params.items() if n.endswith(".table") and p}
-        return Scene(number, regime(params), params, intervals, points, error, condition), tables
+    doubts = {doubt for p in (*points, *others) for doubt in p.doubts}
+    same = [(p.mode, p.events) for p in points] == [(p.mode, p.events) for p in others]
+    error, size = differences(points, others), scales(points)
+    closed = all(abs(p.energy["residual"]) <= LARGEST_ERROR * size["energy.residual"] for p in points)
+    small = all(error[name] <= LARGEST_ERROR * size[name] for name in MEASURED)
+    if not (doubts <= {FADING, STILL} and (same or doubts) and small and closed):
+        return None
+    moved = differences(points, apart)
+    condition = max(moved[n] / size[n] for n in MEASURED if not n.startswith("peak.")) / PROBE
+    return Scene(number, regime(params), params, intervals, points, error, condition), tables
 
 
-def compute() -> Iterator[tuple[Scene, Tables]]:
+def candidate(number: int) -> Found | None:
+    rng = np.random.default_rng([20, number])
+    return fit(number, lambda folder: random_general_scene(rng, folder), rng)
+
+
+def compute() -> Iterator[Found]:
     """The first fit scenes of each regime, in the order of their numbers."""
     wanted, fading = Counter(WANTED), int(FADING_SHARE * sum(WANTED.values()))
     with Pool() as pool:
@@ -225,9 +236,14 @@ def from_json(entry: dict[str, Any], folder: Path) -> Scene:
     return Scene(entry["number"], regime(params), params, intervals, points, *own)
 
 
-def load(folder: str | Path) -> list[Scene]:
+def load(folder: str | Path, file: Path = FILE) -> list[Scene]:
     """All scenes of the file; their tables are written into `folder`."""
-    return [from_json(entry, Path(folder)) for entry in json.loads(gzip.decompress(FILE.read_bytes()))]
+    return [from_json(entry, Path(folder)) for entry in json.loads(gzip.decompress(file.read_bytes()))]
+
+
+def save(entries: Sequence[dict[str, Any]], file: Path) -> None:
+    file.write_bytes(gzip.compress(json.dumps(entries, separators=(",", ":")).encode(), mtime=0))
+    print(f"{len(entries)} scenes, {file.stat().st_size / 1000:.0f} kB in {file}")
 
 
 def main() -> None:
@@ -237,10 +253,7 @@ def main() -> None:
         for scene, tables in compute():
             entries.append(to_json(scene, tables))
             progress.advance(task)
-    text = json.dumps(entries, separators=(",", ":"))
-    FILE.parent.mkdir(exist_ok=True)
-    FILE.write_bytes(gzip.compress(text.encode(), mtime=0))
-    print(f"{len(entries)} scenes, {FILE.stat().st_size / 1000:.0f} kB in {FILE}")
+    save(entries, FILE)
 
 
 if __name__ == "__main__":

@@ -1,5 +1,7 @@
 """A parameter study, and checks of its runs, that several tests share."""
 
+import itertools
+
 import numpy as np
 import pytest
 from driver import models
@@ -35,6 +37,26 @@ def refused(*mentions):
 
 def closed(make, stop=0.05, period=1e-3):
     return Scenario(stop, controller=Controller(make, period, ["theta", "omega"], ["tau"]))
+
+
+class Stop(Exception):
+    pass
+
+
+def stop():
+    raise Stop
+
+
+def after(count, action):
+    """To be called after each file; acts after that many."""
+    numbers = itertools.count(1)
+    return lambda: action() if next(numbers) == count else None
+
+
+def cluster_of(**more):
+    """A Dask cluster on this machine; without Dask the test is skipped."""
+    distributed = pytest.importorskip("distributed", reason="dask.distributed is not installed")
+    return distributed.LocalCluster(threads_per_worker=1, dashboard_address=None, **more)
 
 
 def every_run_once(folder, one):

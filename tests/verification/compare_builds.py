@@ -11,9 +11,7 @@ the bytes of FMU states are compared. Exit code 1: something differs. Linux x86-
 from __future__ import annotations
 
 import argparse
-import gzip
 import itertools
-import json
 import math
 import sys
 import tempfile
@@ -23,7 +21,6 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from ctypes import c_double
 from dataclasses import dataclass, field, replace
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -41,7 +38,6 @@ TOLERANCES = (1e-4, 1e-6, 1e-9, 1e-11)
 MOST_STEPS = 40  # of a scene
 LISTED = 5  # differences that are shown, and variables
 REFUSED = "only one build refuses the step"
-KEPT = ROOT / "tests/data/general_scenes.json.gz"
 
 
 # ---- scenes ----
@@ -103,21 +99,8 @@ def random_scene(number: int, folder: Path, helical: bool) -> Scene:
     return Scene(f"{'helices' if helical else 'grooves'} {number}", p, steps, tolerance)
 
 
-@cache
-def kept() -> list[dict[str, Any]]:
-    return json.loads(gzip.decompress(KEPT.read_bytes()))
-
-
-def kept_scene(number: int, folder: Path) -> Scene:
-    """A scene of tests/data."""
-    entry = kept()[number]
-    p = dict(entry["params"])
-    for name, (psi, z) in entry["tables"].items():
-        p[name] = str(folder / f"kept-{number}-{name}.csv")
-        reference.write_table(Path(p[name]), psi, z)
-    rng = np.random.default_rng([2, number])
-    steps = steps_of(rng, [Interval(*values) for values in entry["intervals"]])
-    return Scene(f"tests/data {number}", p, steps, TOLERANCES[number % 4])
+def groove_scene(number: int, folder: Path) -> Scene:
+    return random_scene(number, folder, helical=False)
 
 
 def inverse_scene(number: int, folder: Path) -> Scene:
@@ -141,20 +124,20 @@ def inverse_scene(number: int, folder: Path) -> Scene:
 
 def version_3_scene(number: int, folder: Path) -> Scene:
     """FMI 3.0 has no derivatives of inputs."""
-    scene = (inverse_scene if number % 4 == 3 else kept_scene)(number, folder)
+    scene = inverse_scene(number, folder) if number % 4 == 3 else groove_scene(number, folder)
     steps = [replace(step, derivatives={}) for step in scene.steps]
     return replace(scene, title=f"FMI 3.0, {scene.title}", steps=steps, version=3)
 
 
 def exchange_scene(number: int, folder: Path) -> Scene:
-    scene = kept_scene(number, folder)
+    scene = groove_scene(number, folder)
     return replace(scene, title=f"exchange, {scene.title}", exchange=True)
 
 
 def refused_scene(number: int, folder: Path) -> Scene:
     """One value that is not allowed, at the start or in the third step."""
     rng = np.random.default_rng([4, number])
-    scene = kept_scene(number, folder)
+    scene = groove_scene(number, folder)
     bad = float(rng.choice([math.nan, math.inf, -1.0, 1e300]))
     name = str(rng.choice([n for n, v in scene.parameters.items() if isinstance(v, float)]))
     wrong = {name: bad} if number % 2 else {"tau": bad}
@@ -309,8 +292,7 @@ def groups(count: int, share: float) -> list[Group]:
 
     return [
         Group("random helices", count, lambda k, folder: random_scene(k, folder, True)),
-        Group("random grooves", count // 3, lambda k, folder: random_scene(k, folder, False)),
-        Group("tests/data", part(220), kept_scene),
+        Group("random grooves", count // 3, groove_scene),
         Group("inverse", part(300), inverse_scene),
         Group("model exchange", part(220), exchange_scene),
         Group("FMI 3.0", part(220), version_3_scene),

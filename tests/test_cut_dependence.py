@@ -1,5 +1,4 @@
-"""The judge of cuts (tests/support/cut_dependence.py) and the scan that uses it (verification/cut_scan.py)
-see what they look for."""
+"""The judge of cuts (tests/support/cut_dependence.py) sees what it looks for."""
 
 import random
 from dataclasses import replace
