@@ -6,6 +6,7 @@
 #include "elementary/elementary.h"
 #include "numerics/golden_section.h"
 #include "numerics/tolerances.h"
+#include "platform/attributes.h"
 
 enum { KNOTS = 15, POINTS = KNOTS + 2 };
 
@@ -122,13 +123,6 @@ typedef struct {
     double size; /* J, sum of the magnitudes of all energies, nearly */
 } Scale;
 
-static bool cover(Quadrature *s, const Scale *whole, double from, double to, int depth);
-
-static bool cover_both(Quadrature *s, const Scale *whole, double from, double before, double after, double to,
-                       int depth) {
-    return cover(s, whole, from, before, depth + 1) && cover(s, whole, after, to, depth + 1);
-}
-
 static bool is_known(Quadrature *s, const Panel *panel) {
     for (int k = 0; k < POINTS; k++) {
         if (panel->sample[k].branch >= 0) continue;
@@ -145,34 +139,47 @@ static int first_change(const Panel *panel) {
     return 0;
 }
 
+typedef enum { PANEL_COVERS, PANEL_DIVIDES, PANEL_UNKNOWN } PanelVerdict;
+
+/* Integrates over [from, to] by one panel, or divides the interval into [from, cut[0]] and [cut[1], to]. The panel does not stay
+ * on the stack while the parts are covered. */
+NOINLINE static PanelVerdict try_panel(Quadrature *s, const Scale *whole, double from, double to, bool spent,
+                                       Scale *own, double cut[2]) {
+    Panel panel;
+    sample_panel(s, from, to, &panel);
+    s->panels++;
+    if (!is_known(s, &panel)) return PANEL_UNKNOWN;
+    double total[RATE_COUNT];
+    own->width = fabs(to - from);
+    const double error = integrate(&panel, total, &own->size);
+    const Scale *scale = whole != NULL ? whole : own;
+    const int change = spent || own->width < QUADRATURE_NARROW * scale->width ? 0 : first_change(&panel);
+    if (change > 0) {
+        find_change(s, panel.x[change - 1], panel.x[change], panel.sample[change - 1].branch, &cut[0], &cut[1]);
+        return PANEL_DIVIDES;
+    }
+    const double allowed = s->rounding + max_of(s->tolerance * max_of(own->size, QUADRATURE_NEGLIGIBLE * scale->size),
+                                                QUADRATURE_ROUNDING * own->size);
+    if (error > allowed && !spent) {
+        cut[0] = cut[1] = 0.5 * (from + to);
+        return PANEL_DIVIDES;
+    }
+    for (int c = 0; c < RATE_COUNT; c++) s->total[c] += total[c];
+    raise_peaks(s, &panel);
+    return PANEL_COVERS;
+}
+
 /* Integrates over [from, to], divided as far as necessary. `whole` is the scale of the interval asked for, or NULL if
  * [from, to] is this interval. */
 static bool cover(Quadrature *s, const Scale *whole, double from, double to, int depth) {
     if (from == to) return true;
-    Panel panel;
-    sample_panel(s, from, to, &panel);
-    s->panels++;
-    if (!is_known(s, &panel)) return false;
-    double total[RATE_COUNT], size;
-    const double error = integrate(&panel, total, &size);
-    const Scale own = {.width = fabs(to - from), .size = size};
+    Scale own;
+    double cut[2];
+    const bool spent = depth >= QUADRATURE_MAX_DEPTH || s->panels + 1 >= QUADRATURE_MAX_PANELS;
+    const PanelVerdict verdict = try_panel(s, whole, from, to, spent, &own, cut);
+    if (verdict != PANEL_DIVIDES) return verdict == PANEL_COVERS;
     const Scale *scale = whole != NULL ? whole : &own;
-    const bool spent = depth >= QUADRATURE_MAX_DEPTH || s->panels >= QUADRATURE_MAX_PANELS;
-    const int change = spent || own.width < QUADRATURE_NARROW * scale->width ? 0 : first_change(&panel);
-    if (change > 0) {
-        double before, after;
-        find_change(s, panel.x[change - 1], panel.x[change], panel.sample[change - 1].branch, &before, &after);
-        return cover_both(s, scale, from, before, after, to, depth);
-    }
-    const double allowed = s->rounding + max_of(s->tolerance * max_of(size, QUADRATURE_NEGLIGIBLE * scale->size),
-                                                QUADRATURE_ROUNDING * size);
-    if (error > allowed && !spent) {
-        const double middle = 0.5 * (from + to);
-        return cover_both(s, scale, from, middle, middle, to, depth);
-    }
-    for (int c = 0; c < RATE_COUNT; c++) s->total[c] += total[c];
-    raise_peaks(s, &panel);
-    return true;
+    return cover(s, scale, from, cut[0], depth + 1) && cover(s, scale, cut[1], to, depth + 1);
 }
 
 bool quadrature_over(Quadrature *quadrature, double from, double to) {

@@ -89,7 +89,7 @@ static const double offset[4] = {-2.0, -1.0, 1.0, 2.0}, weight[4] = {1.0, -8.0, 
 
 /* While theta follows the edge, the change of the speed is the time derivative of the change of theta, by a central difference of order 4 along the
  * motion. F_ext varies at most by a small share of F_0. */
-NOINLINE static void edge_speed_give(const SlipMode *slip, double theta, double omega, Variation *x) {
+static void edge_speed_give(const SlipMode *slip, double theta, double omega, Variation *x) {
     const Inputs *in = slip->inputs;
     const Excess now = edge_excess(slip, theta);
     Balance here;
