@@ -60,8 +60,9 @@ static bool keep_in_bracket(const Bracket *bracket, double full, double t, doubl
     return true;
 }
 
-/* Shortens the step so that it ends on the crossing at the share x of the step. The edge of the stick band is bisected: its
- * rate is not known. So is a reaction that is a difference of far larger terms, whose rate is rounding: Newton's method would creep. */
+/* Shortens the step so that it ends on the crossing at the share x of the step. The edge of the stick band is bisected:
+ * its rate is not known. So is a reaction that is a difference of far larger terms, whose rate is rounding: Newton's
+ * method would creep. */
 static CrossingResult end_on_crossing(const SegmentLimits *limits, StepIndicator indicator, double x, RadauStep *step) {
     const RadauStep whole = *step;
     SlipMode slip = *limits->slip;
@@ -136,8 +137,8 @@ static bool turns_at_stop(const SlipMode *slip, const StopAhead *stop, const Rad
     return beyond <= angle_tolerance(p) && kinetic <= LOCATION_STOP_GAIN * gained;
 }
 
-/* Which reactions pass zero at the end of the step? Without a moment W both are in proportion to the axial load, and pass zero
- * with it; else the one that was located. */
+/* Which reactions pass zero at the end of the step? Without a moment W both are in proportion to the axial load, and
+ * pass zero with it; else the one that was located. */
 static void note_crossing(const SegmentLimits *limits, StepIndicator indicator, EventLocation *location) {
     const SlipMode *slip = limits->slip;
     const Balance *end = radau_step_end(&location->step);
@@ -207,8 +208,8 @@ static bool friction_acts(const SlipMode *slip, const Balance *b) {
     return ((firm & 1) || b->friction[0] == 0.0) && ((firm & 2) || b->friction[1] == 0.0);
 }
 
-/* A contact without load, as on a dwell, can jam where the next piece of the transmission begins. The mechanism then stays
- * where it jams, so the angle needs all digits there: the step ends on the breakpoint, to rounding. */
+/* A contact without load, as on a dwell, can jam where the next piece of the transmission begins. The mechanism then
+ * stays where it jams, so the angle needs all digits there: the step ends on the breakpoint, to rounding. */
 static void end_on_breakpoint(const SegmentLimits *limits, EventLocation *location) {
     const SlipMode *slip = limits->slip;
     const RadauStep landed = location->step;
@@ -238,8 +239,8 @@ static void propose_next(const StepProposal *first, double to_breakpoint, EventL
         location->next = (StepProposal){max_of(location->next.h, first->h), first->stages};
 }
 
-/* s: where a deviation of the speed grows and the contacts carry next to no load, the deviation is as small as rounding.
- * A long step would damp such a deviation, and follow the unstable balance. */
+/* s: where a deviation of the speed grows and the contacts carry next to no load, the deviation is as small as
+ * rounding. A long step would damp such a deviation, and follow the unstable balance. */
 static double departure_time(const SegmentLimits *limits, const Balance *start) {
     const SlipMode *slip = limits->slip;
     if (slip->regime != REGIME_INERTIAL || !limits->has_friction || !(start->rhs.by_omega > 0.0)) return INFINITY;

@@ -25,11 +25,11 @@ static bool stays_on_piece(const LobattoSystem *s, int i) {
 
 /* N, the nominal loads of contact i at the nodes, with the sign of F. */
 static LobattoValues signed_loads(const LobattoSystem *s, int i) {
-    const double per_load = 1.0 / (s->slip->params->contacts * s->slip->params->cam[i].radius);
+    const double per_sliding = slip_load_per_sliding(s->slip, i);
     LobattoValues load;
     for (int k = 0; k < LOBATTO_HALVES; k++) {
         const NodePair *n = &s->pair[k];
-        load.half[k] = per_load * ((n->force + n->damper) * vector2_abs(n->sliding[i]));
+        load.half[k] = per_sliding * ((n->force + n->damper) * vector2_abs(n->sliding[i]));
     }
     return load;
 }
@@ -200,8 +200,8 @@ static bool is_accepted(LobattoSystem *s, const LobattoStart *from, LobattoStep 
     return true;
 }
 
-/* alpha, or without inertia omega, at the start, but for the square root of quadratic damping, and for the terms of z'',
- * gamma'' and I unless `bend` is given: a first guess. */
+/* alpha, or without inertia omega, at the start, but for the square root of quadratic damping, and for the terms of
+ * z'', gamma'' and I unless `bend` is given: a first guess. */
 static inline double guess_rhs(const SlipMode *slip, const LobattoStart *from, const double friction[2],
                                const GrooveBend *bend) {
     const Params *p = slip->params;
@@ -317,9 +317,9 @@ static StartFriction start_friction(LobattoSystem *s, const LobattoStart *from) 
     return out;
 }
 
-/* Where mu falls: the share of the step that four nodes resolve; 0: a share too small for such steps. With u = v/v_s and
- * x its change in the step, the cubic term of exp(-u) is x^3/6 exp(-u), that of exp(-u^2) at most |8 u^3 - 12 u| times
- * as large. The error grows with the fourth power of the share, see lobatto_is_accurate(). */
+/* Where mu falls: the share of the step that four nodes resolve; 0: a share too small for such steps. With u = v/v_s
+ * and x its change in the step, the cubic term of exp(-u) is x^3/6 exp(-u), that of exp(-u^2) at most |8 u^3 - 12 u|
+ * times as large. The error grows with the fourth power of the share, see lobatto_is_accurate(). */
 static double share_in_fall(const LobattoSystem *s, const LobattoStart *from, const StartFriction *friction,
                             const GrooveBend *bend, double rhs) {
     const SlipMode *slip = s->slip;
@@ -450,5 +450,5 @@ bool lobatto_step_along(const SlipMode *slip, const LobattoStart *from, double l
     out->dtheta = s.dtheta.at[LOBATTO_END];
     out->domega = s.h * lobatto_sum(domega);
     out->omega = lobatto_system_is_inertial(&s) ? s.speed.at[LOBATTO_END] : lobatto_system_speed_at_end(&s);
-    return booking_is_in_range(&out->booking, out->dtheta + out->omega);
+    return booking_is_in_range(&out->booking, out->dtheta + out->omega); /* else a Radau step is tried */
 }

@@ -355,8 +355,8 @@ static inline double aim_at_end(LobattoSystem *s, const EndAngle *end) {
     return missed;
 }
 
-/* Corrects h so that the sliding speed of a contact ends at the sample; false if the speed missed the sample before. The
- * groove's part of the acceleration is taken to be constant over the step. */
+/* Corrects h so that the sliding speed of a contact ends at the sample; false if the speed missed the sample before.
+ * The groove's part of the acceleration is taken to be constant over the step. */
 static bool aim_at_sample(LobattoSystem *s) {
     const EndSpeed *end = &s->end_speed;
     const double omega = s->speed.at[LOBATTO_END], sliding = s->pair[LOBATTO_HALVES - 1].sliding[end->contact][1];
@@ -444,9 +444,9 @@ ALWAYS_INLINE static inline void guess_step(LobattoSystem *s, const EndAngle *en
 /* ---- the sweeps ---- */
 
 /* `varies` is a constant of the compiler: friction that does not vary costs nothing. Friction that varies makes alpha
- * depend on the speed more than all else does. Then the last prediction is part of the solution: its own error is a tenth
- * of it or less. The first sweep may be the last one, for guess_parabola() precedes it; a step that it shows to be far
- * from accurate needs no other. */
+ * depend on the speed more than all else does. Then the last prediction is part of the solution: its own error is a
+ * tenth of it or less. The first sweep may be the last one, for guess_parabola() precedes it; a step that it shows to
+ * be far from accurate needs no other. */
 ALWAYS_INLINE static inline bool solve_with(LobattoSystem *s, const EndAngle *end, bool varies) {
     const SlipMode *slip = s->slip;
     const double per_y = varies || lobatto_system_is_inertial(s) ? s->h : 1.0;

@@ -110,8 +110,8 @@ void lobatto_system_guess(LobattoSystem *system, double rhs);
  * too slowly, or if the slip mode is not possible at a node. */
 bool lobatto_system_solve(LobattoSystem *system, const EndAngle *end);
 
-/* Times the sign of contact i: its friction at two sliding speeds, m/s; load2: the square of the nominal loads over N_ref, or
- * over 1 N where there is a table. */
+/* Times the sign of contact i: its friction at two sliding speeds, m/s; load2: the square of the nominal loads over
+ * N_ref, or over 1 N where there is a table. */
 VectorFriction lobatto_friction(const LobattoSystem *system, int i, Vector2 v, Vector2 load2);
 
 /* Without inertia: omega by the balance at the end of the step, rad/s. */

@@ -46,10 +46,10 @@ static StepSize step_size(const RadauSystem *s, const RadauStep *step) {
     return size;
 }
 
-/* Factor on the damped defect of a step of the stiffness z: the error at its end of a solution that varies slowly against
- * 1/z. A step that is not stiff gains the digits of its order 2s - 1. A stiff step does not: its end follows the
- * derivative of its polynomial there (order reduction: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II,
- * section IV.15). Fitted to y' = g' - z (y - g), within a third for 3, 5 and 7 stages and every z. */
+/* Factor on the damped defect of a step of the stiffness z: the error at its end of a solution that varies slowly
+ * against 1/z. A step that is not stiff gains the digits of its order 2s - 1. A stiff step does not: its end follows
+ * the derivative of its polynomial there (order reduction: E. Hairer, G. Wanner, Solving Ordinary Differential
+ * Equations II, section IV.15). Fitted to y' = g' - z (y - g), within a third for 3, 5 and 7 stages and every z. */
 static double stiff_share(double z, int stages) {
     const double share = z / (z + RADAU_STIFF_PER_STAGE * stages);
     double product = stages;
@@ -57,9 +57,9 @@ static double stiff_share(double z, int stages) {
     return product;
 }
 
-/* The error of the speed at the end of a stiff step, relative to the speed: where damping rules the speed, and where the
- * angle follows the torque, so that the speed is the derivative of the angle's polynomial. Without inertia the speed errs
- * by the slope d omega/d theta times the error of the angle. */
+/* The error of the speed at the end of a stiff step, relative to the speed: where damping rules the speed, and where
+ * the angle follows the torque, so that the speed is the derivative of the angle's polynomial. Without inertia the
+ * speed errs by the slope d omega/d theta times the error of the angle. */
 static double stiff_error(const RadauSystem *s, const StepSize *size, double defect, double rounding) {
     const int stages = s->method->stages;
     const double h = s->h, z = size->stiffness, w = size->damping, per_speed = 1.0 / (size->speed + DBL_MIN);
@@ -79,11 +79,11 @@ static bool is_rounding(const RightHandSide *start, double defect) {
 }
 
 /* The error inside the step from the defect at the start, relative to speed and distance. A stiff step damps the
- * defect; its angle follows the speed at the nodes, so the defect of the speed counts too. Where a deviation of the speed
- * grows instead, as in a motion that leaves an unstable balance, nothing damps the defect, and the defect counts relative
- * to the change of the speed: the error grows like this change. At the end of the step the method has order 2s - 1,
- * inside order s + 1. error_at_end() takes half of that gain: then the errors of the study of integrators stay below
- * RADAU_ERROR_SAFETY times the tolerance; with the whole gain they do not. */
+ * defect; its angle follows the speed at the nodes, so the defect of the speed counts too. Where a deviation of the
+ * speed grows instead, as in a motion that leaves an unstable balance, nothing damps the defect, and the defect counts
+ * relative to the change of the speed: the error grows like this change. At the end of the step the method has order 2s
+ * - 1, inside order s + 1. error_at_end() takes half of that gain: then the errors of the study of integrators stay
+ * below RADAU_ERROR_SAFETY times the tolerance; with the whole gain they do not. */
 static double error_of_defect(const RadauSystem *s, const RadauStep *step, double defect) {
     const Radau *r = s->method;
     const StepSize size = step_size(s, step);
@@ -215,8 +215,8 @@ static double value_after(const SlipMode *slip, const RadauStep *step, PeakQuant
     return fabs(value_of(radau_step_end(&part), quantity));
 }
 
-/* The largest |value| in the step; below `known` the larger one of both ends will do. Where the polynomial has its peak inside, a step that ends at the peak is solved:
- * the end of a step is more exact than the polynomial inside. */
+/* The largest |value| in the step; below `known` the larger one of both ends will do. Where the polynomial has its peak
+ * inside, a step that ends at the peak is solved: the end of a step is more exact than the polynomial inside. */
 static double peak_of(const SlipMode *slip, const RadauStep *step, PeakQuantity quantity, double known) {
     const Radau *r = step->method;
     const RadauValues v = values_of(step, quantity);

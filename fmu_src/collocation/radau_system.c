@@ -191,8 +191,8 @@ typedef struct {
     double wanted;   /* by the tolerance */
 } SmallCorrection;
 
-/* The Newton matrix of a stiff step divides the rounding of the right-hand sides by the stiffness, and leaves that of the
- * speeds over h. */
+/* The Newton matrix of a stiff step divides the rounding of the right-hand sides by the stiffness, and leaves that of
+ * the speeds over h. */
 static double rounding_of(const RadauSystem *s, double y, double speed) {
     const RightHandSide *rhs = &s->start->rhs;
     const double stiffness = radau_system_stiffness(s, rhs);

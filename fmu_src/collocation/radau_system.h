@@ -29,10 +29,10 @@ RadauSystem radau_system_of(const SlipMode *slip, const Balance *start, double h
  * converge, or if a node leaves the range in which the slip mode is possible. Not for the rate-independent regime. */
 bool radau_system_solve(RadauSystem *system, Balance node[RADAU_MAX]);
 
-/* The rate-independent regime: fills node[] with balances on the edge of the stick band, tau(t) = rho(theta) F_0(theta, t),
- * each theta_i solving this equation at t_i. False if the edge stops rising before the end of the step, or if the motion
- * leaves the transmission's piece. *noise: rad, how far the rounding of the torques moves theta where the edge is nearly
- * level. */
+/* The rate-independent regime: fills node[] with balances on the edge of the stick band, tau(t) = rho(theta) F_0(theta,
+ * t), each theta_i solving this equation at t_i. False if the edge stops rising before the end of the step, or if the
+ * motion leaves the transmission's piece. *noise: rad, how far the rounding of the torques moves theta where the edge
+ * is nearly level. */
 bool radau_system_follow_edge(const RadauSystem *system, Balance node[RADAU_MAX], double *noise);
 
 /* dtheta and omega at the nodes from y. */

@@ -30,8 +30,8 @@ typedef struct {
 
 SegmentLimits segment_limits_of(const SlipMode *slip, const Balance *start, double to_stop);
 
-/* N/m: a reaction that begins on the wrong side of zero, by rounding, leaves its flank this much below zero, which the mode
- * decision sees; 0 for all other indicators, and for a reaction that begins on its flank. */
+/* N/m: a reaction that begins on the wrong side of zero, by rounding, leaves its flank this much below zero, which the
+ * mode decision sees; 0 for all other indicators, and for a reaction that begins on its flank. */
 double step_indicator_allowance(const SegmentLimits *limits, StepIndicator indicator, const RadauStep *step);
 
 /* The indicator at the end of the step. */

@@ -137,8 +137,8 @@ NOINLINE static RightHandSide rhs_of_coefficients(const SlipMode *slip, const Sl
 
 /* ---- where friction varies ---- */
 
-/* What the speed and the load change through the friction coefficients. Without inertia the coefficients depend on the load
- * alone. */
+/* What the speed and the load change through the friction coefficients. Without inertia the coefficients depend on the
+ * load alone. */
 NOINLINE static RightHandSide rhs_of_varying(const SlipMode *slip, const SlipCoefficients *k, double z,
                                              const InputValues *in, double omega) {
     RightHandSide rhs = rhs_of_coefficients(slip, k, z, in, omega);

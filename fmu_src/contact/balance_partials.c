@@ -3,7 +3,6 @@
 #include <math.h>
 
 #include "contact/residual.h"
-#include "platform/attributes.h"
 
 static MotionTerms terms_of(const SlipMode *slip, const Balance *balance) {
     return (MotionTerms){

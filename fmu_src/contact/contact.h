@@ -44,8 +44,8 @@ typedef struct {
 
 enum { FLANK_PAIR_COUNT = 4, SLIP_MODE_COUNT = 2 * FLANK_PAIR_COUNT /* directions x pairs of flanks */ };
 
-/* Pair k of flanks in the order of the rule (docs/mechanism.md, section 3): (s,s), (s,-s), (-s,s), (-s,-s) with s = `sign`,
- * the sign of the axial load. The supporting flanks come first. */
+/* Pair k of flanks in the order of the rule (docs/mechanism.md, section 3): (s,s), (s,-s), (-s,s), (-s,-s) with s =
+ * `sign`, the sign of the axial load. The supporting flanks come first. */
 static inline void flank_pair(int k, int sign, int flank[2]) {
     flank[0] = k < 2 ? sign : -sign;
     flank[1] = k % 2 == 0 ? sign : -sign;

@@ -73,8 +73,8 @@ static Range total(Range a, Range b) {
     return (Range){a.low + b.low, a.high + b.high};
 }
 
-/* A lower bound of D while the slopes stay in these ranges, by interval arithmetic. z' grows with both slopes, gamma' with
- * the slope of cam 2 alone. */
+/* A lower bound of D while the slopes stay in these ranges, by interval arithmetic. z' grows with both slopes, gamma'
+ * with the slope of cam 2 alone. */
 static double determinant_bound(const Determinant *d, const Range a[2]) {
     Range rn[2], arm[2];
     for (int i = 0; i < 2; i++) {
@@ -90,8 +90,8 @@ static double determinant_bound(const Determinant *d, const Range a[2]) {
            d->by.turning * product(dgamma_dtheta, q).low;
 }
 
-/* m: how far a slope of the piece goes from its value in the middle of an interval of x of this half width: the derivative
- * is at most the sum of k |c_k|. */
+/* m: how far a slope of the piece goes from its value in the middle of an interval of x of this half width: the
+ * derivative is at most the sum of k |c_k|. */
 static double slope_reach(const TransmissionPiece *piece, int i, double half) {
     double steepness = 0.0;
     for (int k = 1; k <= TRANSMISSION_DEGREE; k++) steepness += k * fabs(piece->slope[k][i]);
@@ -130,8 +130,8 @@ static bool is_positive(const Determinant *d, const Transmission *transmission) 
 
 /* ---- friction ---- */
 
-/* Places between the stops. Helices have the same slopes everywhere: one place tells all, unless friction depends on the
- * load. */
+/* Places between the stops. Helices have the same slopes everywhere: one place tells all, unless friction depends on
+ * the load. */
 typedef struct {
     const Transmission *transmission;
     int intervals; /* of a piece, between its samples */

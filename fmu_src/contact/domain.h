@@ -24,9 +24,9 @@ typedef enum {
  * kappa_1 + kappa_2 > 0 at sigma = +1. F_ext: N. False with the reason in `fault`. */
 bool domain_check_loading(const Params *params, const Transmission *transmission, double F_ext, Fault *fault);
 
-/* The motion that the torque makes is resisted everywhere: with inertia D > 0 on the pair that loads and on the pair that
- * releases; nowhere level without a shaft that resists. Only forward dynamics needs this. False with the reason, and with a
- * value that works, in `fault`. */
+/* The motion that the torque makes is resisted everywhere: with inertia D > 0 on the pair that loads and on the pair
+ * that releases; nowhere level without a shaft that resists. Only forward dynamics needs this. False with the reason,
+ * and with a value that works, in `fault`. */
 bool domain_check_motion(const Params *params, const Transmission *transmission, double F_ext, Fault *fault);
 
 FrictionClass domain_class(const Params *params, const Transmission *transmission, double F_ext);

@@ -64,12 +64,12 @@ SlipMode slip_mode_of(const Params *params, const Transmission *transmission, co
 double slip_coefficients_curved(const SlipMode *slip, double theta, SlipCoefficients *out);
 
 /* Where friction varies: sets the friction of the coefficients, and with it their factors, to that at the speed omega,
- * rad/s, the height z, m, and the external force F_ext, N. Along the edge of the stick band (rate-independent) friction is
- * that at rest. */
+ * rad/s, the height z, m, and the external force F_ext, N. Along the edge of the stick band (rate-independent) friction
+ * is that at rest. */
 void slip_set_friction(const SlipMode *slip, double omega, double z, double F_ext, SlipCoefficients *coefficients);
 
-/* The coefficients at theta and, where friction varies, at the speed omega under F_ext; in *storage unless the slip mode
- * holds them; *z is set. */
+/* The coefficients at theta and, where friction varies, at the speed omega under F_ext; in *storage unless the slip
+ * mode holds them; *z is set. */
 static inline const SlipCoefficients *slip_coefficients_at(const SlipMode *slip, double theta, double omega,
                                                            double F_ext, SlipCoefficients *storage, double *z) {
     const TransmissionPiece *piece = slip->piece;

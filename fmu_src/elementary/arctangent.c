@@ -25,8 +25,8 @@ static inline uint64_t step_of(double tangent) {
     return (bits_of(tangent) >> shift) - (bits_of(ATAN_FIRST) >> shift);
 }
 
-/* With c from the table: atan(x) = atan(c) + atan(t), t = (x - c)/(1 + c x). The difference x - c is exact, and t is less
- * than 1/15 of the angle. */
+/* With c from the table: atan(x) = atan(c) + atan(t), t = (x - c)/(1 + c x). The difference x - c is exact, and t is
+ * less than 1/15 of the angle. */
 NOINLINE double elementary_atan(double x) {
     const double size = fabs(x);
     const uint64_t step = step_of(size);
@@ -65,8 +65,8 @@ static inline double angle_of(double y, double x, bool back) {
     return first.hi + ((first.lo + PI.lo) - angle.lo);
 }
 
-/* The same of any sizes >= 0. An angle below 2^-60 is y/x, which may underflow; an angle so close to pi or pi/2 is that.
- * Other numbers differ by less than 2^60. A power of two brings both between the limits and keeps the angle. */
+/* The same of any sizes >= 0. An angle below 2^-60 is y/x, which may underflow; an angle so close to pi or pi/2 is
+ * that. Other numbers differ by less than 2^60. A power of two brings both between the limits and keeps the angle. */
 static double angle_at_limits(double y, double x, bool back) {
     if (x == INFINITY && y == INFINITY) x = y = 1.0;
     if (y == 0.0 || x == INFINITY || y < x * 0x1p-60) return back ? PI.hi : y == 0.0 ? 0.0 : y / x;

@@ -44,8 +44,8 @@ static DoubleDouble fraction_of(const uint32_t product[LIMBS], int point, bool n
     return negative ? (DoubleDouble){-sum.hi, -sum.lo} : sum;
 }
 
-/* The product of x and 2/pi in integers, or NaN for an infinite x; multiples of 4 quadrants are left out before they arise.
- * (M. H. Payne, R. N. Hanek, Radian reduction for trigonometric functions, ACM SIGNUM Newsletter 18, 1983) */
+/* The product of x and 2/pi in integers, or NaN for an infinite x; multiples of 4 quadrants are left out before they
+ * arise. (M. H. Payne, R. N. Hanek, Radian reduction for trigonometric functions, ACM SIGNUM Newsletter 18, 1983) */
 static Reduced reduce_exactly(double x) {
     if (!(fabs(x) <= DBL_MAX)) return (Reduced){{x - x, 0.0}, 0};
     const uint64_t bits = bits_of(x), fraction = (bits & 0xfffffffffffff) | 0x10000000000000;
@@ -77,10 +77,10 @@ static const double QUARTER_PI = 0.78539816339744828;
 
 static const double CODY_WAITE_LIMIT = 0x1p20;
 
-/* x less its multiple of pi/2 in four parts. Products with the first three parts are exact, and so is the difference with
- * the first one. The error is below 2^-104. Where r is small, the next differences are exact too, and the error is below
- * 2^-134, while no double is closer to a multiple of pi/2 than 2^-61.
- * (W. J. Cody, W. Waite, Software Manual for the Elementary Functions, 1980) */
+/* x less its multiple of pi/2 in four parts. Products with the first three parts are exact, and so is the difference
+ * with the first one. The error is below 2^-104. Where r is small, the next differences are exact too, and the error is
+ * below 2^-134, while no double is closer to a multiple of pi/2 than 2^-61. (W. J. Cody, W. Waite, Software Manual for
+ * the Elementary Functions, 1980) */
 static inline Reduced reduce(double x) {
     const double shifted = x * TWO_BY_PI_ROUNDED + 0x1.8p52, n = shifted - 0x1.8p52; /* to the nearest integer */
     const double rest = x - n * HALF_PI_1, second = n * -HALF_PI_2, third = n * HALF_PI_3;
@@ -135,8 +135,8 @@ static inline double tan_rest(double h) {
     return h * z * ((c[0] + z * c[1]) + z2 * ((c[2] + z * c[3]) + z2 * (c[4] + z * c[5])));
 }
 
-/* tan(r + rest), 0 <= r < TAN_FIRST or r NaN, or -1/tan(r + rest) in odd quadrants. There the quotient q has 26 bits, and
- * with what is left, e = 1 - q t, 1/t = q/(1 - e) = q + e/t. */
+/* tan(r + rest), 0 <= r < TAN_FIRST or r NaN, or -1/tan(r + rest) in odd quadrants. There the quotient q has 26 bits,
+ * and with what is left, e = 1 - q t, 1/t = q/(1 - e) = q + e/t. */
 static double tan_near_zero(double r, double rest, uint64_t quadrant) {
     const double more = rest + tan_rest(r), sum = r + more;
     if (quadrant % 2 == 0) return sum;

@@ -137,7 +137,7 @@ static bool can_set(const Instance *instance, const char *function, const ValueR
 /* Inside a step a master may set only the inputs that it has announced. */
 static bool is_sampled(const Instance *instance, ValueReference reference) {
     return instance->run.phase != PHASE_INTERMEDIATE_INPUTS ||
-           (reference < 16 && instance->intermediate.sampled_inputs >> reference & 1u);
+           (reference < INPUTS_MAX && instance_samples(instance, reference));
 }
 
 /* The number of a continuous state of model exchange that a master may set now by its value reference; -1: no such. FMI

@@ -22,8 +22,8 @@ typedef struct {
     size_t unknowns, knowns;
 } Jacobian;
 
-/* product = Jacobian, or transposed Jacobian, times seed: one seed for each known and one product for each unknown, or the
- * other way round. */
+/* product = Jacobian, or transposed Jacobian, times seed: one seed for each known and one product for each unknown, or
+ * the other way round. */
 bool derivatives_product(Instance *instance, const char *function, const Jacobian *jacobian, bool transposed,
                          const double seed[], double product[]);
 

@@ -1,9 +1,9 @@
 /* The standard that this FMU implements, FMI 2.0 or FMI 3.0, as the files fmi2.c and fmi3*.c share it.
  *
- * The room fmi/ holds the functions of FMI 2.0 (fmi2.c), of FMI 3.0 (fmi3*.c) and of both (fmi.c). They translate the names and types
- * of the standard. Below them stands what both share: the instance, access to variables, simulation, FMU states. The
- * tables of variables come from variables.def and dependencies.def. No physics stands here: model.h calls forward or
- * inverse dynamics.
+ * The room fmi/ holds the functions of FMI 2.0 (fmi2.c), of FMI 3.0 (fmi3*.c) and of both (fmi.c). They translate the
+ * names and types of the standard. Below them stands what both share: the instance, access to variables, simulation, FMU
+ * states. The tables of variables come from variables.def and dependencies.def. No physics stands here: model.h calls
+ * forward or inverse dynamics.
  *
  * May include: platform, elementary, numerics, model, geometry, contact, closed_form, collocation, forward, inverse,
  * outputs, sensitivity. */
@@ -22,9 +22,6 @@ typedef fmi2Boolean Boolean;
 typedef fmi2String Text;
 typedef fmi2Byte Byte;
 
-static inline fmi2Status status_of(bool good) {
-    return good ? fmi2OK : fmi2Error;
-}
 #else
 #include "fmi3Functions.h"
 
@@ -35,12 +32,12 @@ typedef fmi3Boolean Boolean;
 typedef fmi3String Text;
 typedef fmi3Byte Byte;
 
-static inline fmi3Status status_of(bool good) {
-    return good ? fmi3OK : fmi3Error;
-}
-
 /* The log of an importer's callback, which may be NULL. */
 Log fmi3_log(fmi3InstanceEnvironment environment, fmi3LogMessageCallback logger);
 #endif
+
+static inline Status status_of(bool good) {
+    return good ? FMI(OK) : FMI(Error);
+}
 
 #endif

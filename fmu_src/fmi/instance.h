@@ -46,10 +46,12 @@ struct Log {
     void (*logger)(void); /* the master's callback; its type is that of the version of FMI */
 };
 
+enum { INPUTS_MAX = 16 }; /* bits of IntermediateAccess.sampled_inputs */
+
 /* How a master takes part inside a co-simulation step. All zero: not at all. */
 typedef struct {
     bool early_return_allowed;
-    uint16_t sampled_inputs; /* bit r: the master sets the input with value reference r inside steps */
+    uint16_t sampled_inputs; /* bit r: the master sets the input with value reference r < INPUTS_MAX inside steps */
     void (*callback)(void);  /* the master's intermediate update, of the type of the version of FMI, or NULL */
 } IntermediateAccess;
 
@@ -83,6 +85,11 @@ void instance_free(Instance *instance);
 void instance_reset(Instance *instance);
 
 /* Has the run begun? Until then the state is the start state. */
+/* May the master set this input inside a step? */
+static inline bool instance_samples(const Instance *instance, unsigned reference) {
+    return (instance->intermediate.sampled_inputs >> reference & 1u) != 0;
+}
+
 static inline bool instance_has_begun(const Instance *instance) {
     return (instance->run.phase & PHASES_BEFORE_START) == 0;
 }

@@ -96,12 +96,6 @@ static void differentiate(const double u[4], double third, double derivative[4])
 
 _Static_assert(INPUT_ORDER == 3, "the inputs are cubics");
 
-enum { INPUTS_MAX = 16 }; /* bits of IntermediateAccess.sampled_inputs */
-
-static bool is_sampled(const Instance *instance, unsigned reference) {
-    return (instance->intermediate.sampled_inputs >> reference & 1u) != 0;
-}
-
 /* Sets the derivatives of the sampled inputs from the master's values at the thirds of the step. */
 static bool sample_inputs(const WatchedStep *step, double t, double h, Fault *fault) {
     Instance *instance = step->instance;
@@ -110,10 +104,10 @@ static bool sample_inputs(const WatchedStep *step, double t, double h, Fault *fa
     for (int k = 0; k <= INPUT_ORDER; k++) {
         if (k > 0) (void)call_update(step, k < INPUT_ORDER ? t + k * third : step->end, PHASE_INTERMEDIATE_INPUTS);
         for (unsigned r = 0; r < INPUTS_MAX; r++)
-            if (is_sampled(instance, r)) u[r][k] = access_input(instance, r)[0];
+            if (instance_samples(instance, r)) u[r][k] = access_input(instance, r)[0];
     }
     for (unsigned r = 0; r < INPUTS_MAX; r++) {
-        if (!is_sampled(instance, r)) continue;
+        if (!instance_samples(instance, r)) continue;
         double *input = access_input(instance, r);
         const HostArithmetic host = arithmetic_begin();
         differentiate(u[r], third, input);

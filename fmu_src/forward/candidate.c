@@ -51,8 +51,8 @@ NOINLINE Balance balance_from_here(const Mechanism *m, const SlipMode *slip) {
 
 /* ---- candidates ---- */
 
-/* The rounding of theta changes x_i however small its terms are: through the spring, and through the acceleration of the
- * follower. The change, as a size of x_i. In closed form: */
+/* The rounding of theta changes x_i however small its terms are: through the spring, and through the acceleration of
+ * the follower. The change, as a size of x_i. In closed form: */
 static double linear_size_by_angle(const Mechanism *m, const LinearSlipMode *linear, int i) {
     const double spring = linear->transfer.axial[i] * m->params.spring.stiffness * m->configuration.geometry.dz_dtheta;
     const double by_alpha =

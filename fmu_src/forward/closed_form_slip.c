@@ -3,8 +3,6 @@
 #include <math.h>
 
 #include "elementary/elementary.h"
-#include "forward/decide.h"
-#include "forward/stick.h"
 
 static void raise_peaks(const LinearSegment *s, const SegmentEnds *ends, Peaks *peak) {
     linear_segment_peaks(s, ends, peak);
@@ -44,7 +42,8 @@ bool closed_form_slip_quiet(Mechanism *m, double h, Segment *segment) {
     return true;
 }
 
-/* Does reaction i pass zero where that of `contact` does? Without a moment W both are in proportion to the axial load. */
+/* Does reaction i pass zero where that of `contact` does? Without a moment W both are in proportion to the axial load.
+ * */
 static bool crosses(const Mechanism *m, int contact, int i) {
     return i == contact || m->params.inertia.follower == 0.0;
 }

@@ -32,8 +32,8 @@ static double speed_at_end(const Mechanism *m, const SlipMode *slip, double thet
     return balance_rhs(&here, theta, 0.0, t).value;
 }
 
-/* The segment along a Radau step to its end, with `left` seconds left. A segment below the rounding of the time raises no
- * peak: it has the reactions of the next one. */
+/* The segment along a Radau step to its end, with `left` seconds left. A segment below the rounding of the time raises
+ * no peak: it has the reactions of the next one. */
 static void radau_segment(Mechanism *m, const SlipMode *slip, double left, EventLocation *location, Segment *segment) {
     const RadauStep *step = &location->step;
     segment_begin(m, SEGMENT_RADAU, segment);

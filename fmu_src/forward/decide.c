@@ -13,8 +13,8 @@ bool begins_with_jump(const Candidate *c, int direction) {
     return c->regime == REGIME_RATE_INDEPENDENT && (!(c->stiffness > 0.0) || direction * c->net > c->rounding);
 }
 
-/* From rest alpha (without inertia omega) points along the slip, to rounding. Rate-independent: the torque is beyond the
- * edge of the band, or on it while the edge moves along the slip. */
+/* From rest alpha (without inertia omega) points along the slip, to rounding. Rate-independent: the torque is beyond
+ * the edge of the band, or on it while the edge moves along the slip. */
 static bool points_along(const Candidate *c, int direction) {
     if (c->regime != REGIME_RATE_INDEPENDENT) return direction * c->motion >= -c->rounding;
     return begins_with_jump(c, direction) || (direction * c->net >= -c->rounding && direction * c->motion >= 0.0);
@@ -38,8 +38,8 @@ static bool carries(const Mechanism *m, int index) {
 
 /* ---- the rule ---- */
 
-/* The sign of the axial load when motion in `direction` begins or goes on; where there is none now, of the load that F_ext makes
- * next, or else of the spring's, which has the sign of the movement. */
+/* The sign of the axial load when motion in `direction` begins or goes on; where there is none now, of the load that
+ * F_ext makes next, or else of the spring's, which has the sign of the movement. */
 static int load_sign(const Mechanism *m, int direction) {
     const double v = has_inertia(&m->params) ? m->configuration.geometry.dz_dtheta * m->state.omega.hi : 0.0;
     const double force = stick_axial_load(m) + damper_force(&m->params.damper, direction, v);
@@ -60,12 +60,13 @@ static int slip_of_rule(int direction, int k, int sign) {
     return slip_index(direction, flank);
 }
 
-/* The slip `first`, then that on the pair that supports the axial load, with contact 2 on its other flank, with contact 1 on
- * its other flank, on the opposite pair; not those that a reaction's zero has ended at this place. */
+/* The slip `first`, -1: none, then that on the pair that supports the axial load, with contact 2 on its other flank,
+ * with contact 1 on its other flank, on the opposite pair; not those that a reaction's zero has ended at this place. */
 static Decision slip_or_wedge(const Mechanism *m, int direction, int first) {
+    const int sign = load_sign(m, direction);
     unsigned tried = m->ended_slips;
-    for (int k = -1; k < FLANK_PAIR_COUNT; k++) {
-        const int index = k < 0 ? first : slip_of_rule(direction, k, load_sign(m, direction));
+    for (int k = first < 0 ? 0 : -1; k < FLANK_PAIR_COUNT; k++) {
+        const int index = k < 0 ? first : slip_of_rule(direction, k, sign);
         if (tried >> index & 1u) continue;
         if (carries(m, index)) return (Decision){slip_mode(direction), index};
         tried |= 1u << index;
@@ -73,7 +74,8 @@ static Decision slip_or_wedge(const Mechanism *m, int direction, int first) {
     return (Decision){MODE_WEDGED, -1};
 }
 
-/* The first slip whose reactions x_i = axial_i A press on its flanks under a load A of this sign, or else `otherwise`. */
+/* The first slip whose reactions x_i = axial_i A press on its flanks under a load A of this sign, or else `otherwise`.
+ * */
 static int slip_under(const Mechanism *m, int direction, int sign, int otherwise) {
     for (int k = 0; k < FLANK_PAIR_COUNT; k++) {
         int flank[2];
@@ -98,15 +100,15 @@ static int next_slip(const Mechanism *m, int direction) {
     return slip_under(m, direction, coming_load, turned);
 }
 
-/* Slip goes on with its pair, or the next one. From any other mode the pair that supports the axial load comes first. */
+/* Slip goes on with its pair, or the next one. From any other mode the pair that supports the axial load comes first.
+ * */
 static Decision slip_on(const Mechanism *m, int direction) {
     const bool goes_on = m->state.mode == slip_mode(direction);
-    return slip_or_wedge(m, direction,
-                         goes_on ? next_slip(m, direction) : slip_of_rule(direction, 0, load_sign(m, direction)));
+    return slip_or_wedge(m, direction, goes_on ? next_slip(m, direction) : -1);
 }
 
 int slip_after_impact(const Mechanism *m, int direction) {
-    return slip_or_wedge(m, direction, slip_of_rule(direction, 0, load_sign(m, direction))).slip_index;
+    return slip_or_wedge(m, direction, -1).slip_index;
 }
 
 /* ---- the decision ---- */

@@ -16,15 +16,15 @@ typedef struct {
     int slip_index; /* see slip_index(); -1 in the modes of rest */
 } Decision;
 
-/* The mode that belongs to the state and the present inputs. In model exchange modes change at events only, and the mode is
- * the present one. */
+/* The mode that belongs to the state and the present inputs. In model exchange modes change at events only, and the
+ * mode is the present one. */
 Decision decision_of(const Mechanism *m);
 
 /* Decides the mode and enters it: a mode that differs from the present one counts as an event. */
 void enter_decided_mode(Mechanism *m);
 
-/* The slip mode in `direction` of a mechanism that moves, or is about to, after an impact: its index, or -1 if the contacts
- * wedge. */
+/* The slip mode in `direction` of a mechanism that moves, or is about to, after an impact: its index, or -1 if the
+ * contacts wedge. */
 int slip_after_impact(const Mechanism *m, int direction);
 
 /* Does rate-independent slip begin with a jump? True unless the torque is on the edge of the stick band already. */

@@ -58,7 +58,8 @@ bool jump_is_due(const Mechanism *m) {
     return begins_with_jump(&candidate, direction_of(m->state.mode));
 }
 
-/* Proposes the segment of the jump to where `torque` is held, see play_jump(). False if there is none: the jump is zero. */
+/* Proposes the segment of the jump to where `torque` is held, see play_jump(). False if there is none: the jump is
+ * zero. */
 static bool propose_jump(const Mechanism *m, int direction, double torque, double bump, Segment *segment) {
     Jump jump;
     play_jump(m, direction, torque, bump, &jump);

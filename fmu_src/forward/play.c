@@ -64,13 +64,13 @@ static double beyond(const void *context, double theta) {
     return path->direction * (path->torque - edge_at(path, theta).torque);
 }
 
-/* The angle at which the torque is held: at `from` the torque is beyond the edge or on it, at `to` it is not; before the
- * angle at which a contact locks. */
+/* The angle at which the torque is held: at `from` the torque is beyond the edge or on it, at `to` it is not; before
+ * the angle at which a contact locks. */
 static double held_between(const EdgePath *path, double from, double to, double f_to) {
     return root_between(beyond, path, from, max_of(beyond(path, from), DBL_MIN), to, f_to);
 }
 
-/* Work, heats and reactions along the edge. */
+/* Work, heats, reactions and, for the wear, reaction times sliding distance along the edge. */
 static void edge_integrand(const void *context, double theta, QuadratureSample *out) {
     const EdgePath *path = context;
     const Edge edge = edge_at(path, theta);
@@ -79,16 +79,9 @@ static void edge_integrand(const void *context, double theta, QuadratureSample *
     out->rate[RATE_WORK_EXT] = edge.dz_dtheta * path->m->inputs.F_ext[0];
     for (int i = 0; i < 2; i++) {
         out->rate[RATE_HEAT_CAM1 + i] = path->direction * edge.heat[i];
+        out->rate[RATE_SLIDING1 + i] = path->direction * edge.sliding[i];
         out->size[SIZE_REACTION1 + i] = edge.reaction[i];
     }
-}
-
-/* Reaction times sliding distance, for the wear. */
-static void sliding_integrand(const void *context, double theta, QuadratureSample *out) {
-    const EdgePath *path = context;
-    const Edge edge = edge_at(path, theta);
-    *out = (QuadratureSample){.branch = work_is_spent(path->m->work) ? -1 : edge.pattern};
-    for (int i = 0; i < 2; i++) out->rate[RATE_HEAT_CAM1 + i] = path->direction * edge.sliding[i];
 }
 
 /* Books the path from `from` to `to`; where the work is spent, the step is refused. */
@@ -104,14 +97,12 @@ static void book(const EdgePath *path, double from, double to, Jump *jump) {
         .rounding = PLAY_ROUNDING * stick_axial_size(m) * z,
         .peak = {[SIZE_REACTION1] = jump->reaction[0], [SIZE_REACTION2] = jump->reaction[1]},
     };
-    Quadrature sliding = {.integrand = sliding_integrand, .scene = path, .tolerance = q.tolerance};
     (void)quadrature_over(&q, from, to);
-    if (has_wear(&m->params)) (void)quadrature_over(&sliding, from, to);
     jump->booking.work_in += q.total[RATE_WORK_IN];
     jump->booking.work_ext += q.total[RATE_WORK_EXT];
     for (int i = 0; i < 2; i++) {
         jump->booking.heat_cam[i] += q.total[RATE_HEAT_CAM1 + i];
-        jump->booking.wear[i] += wear_per_sliding(&m->params, i) * sliding.total[RATE_HEAT_CAM1 + i];
+        jump->booking.wear[i] += wear_per_sliding(&m->params, i) * q.total[RATE_SLIDING1 + i];
         jump->reaction[i] = q.peak[SIZE_REACTION1 + i];
     }
 }

@@ -38,9 +38,9 @@ bool stick_is_unloaded(const Mechanism *m) {
     return fabs(stick_axial_load(m)) <= STICK_TIE_CURVED * stick_axial_size(m);
 }
 
-/* m/rad, the size of the rounding of an edge factor by that of the slopes. With rho = 1/(kappa_1 + kappa_2) of section 3
- * of docs/mechanism.md, d rho/d a_i = (1 + f_i^2) (rho/n_i)^2, where rho/n_i is at most about 1, and where groove i is
- * steep at most about (a_j + mu_j r_j)/a_i: the slope of a steep groove hardly matters, and so does its rounding. */
+/* m/rad, the size of the rounding of an edge factor by that of the slopes. With rho = 1/(kappa_1 + kappa_2) of section
+ * 3 of docs/mechanism.md, d rho/d a_i = (1 + f_i^2) (rho/n_i)^2, where rho/n_i is at most about 1, and where groove i
+ * is steep at most about (a_j + mu_j r_j)/a_i: the slope of a steep groove hardly matters, and so does its rounding. */
 static double slope_size(const Mechanism *m) {
     const Geometry *g = &m->configuration.geometry;
     double size = 0.0;
@@ -52,14 +52,14 @@ static double slope_size(const Mechanism *m) {
     return size;
 }
 
-/* m/rad, the terms of an edge factor that do not vanish with the factor, as on a dwell and where a contact begins to lock:
- * its rounding is a share of the largest slope. */
+/* m/rad, the terms of an edge factor that do not vanish with the factor, as on a dwell and where a contact begins to
+ * lock: its rounding is a share of the largest slope. */
 static double slope_terms(const Mechanism *m) {
     return m->model.transmission.straight ? 0.0 : STICK_SLOPE_SHARE * slope_size(m);
 }
 
-/* The size of the terms of factor F_0, for a factor of the stick band. The terms of the slopes multiply those of the present
- * F_0 alone, for the rounding of the factor times that of z is of second order. */
+/* The size of the terms of factor F_0, for a factor of the stick band. The terms of the slopes multiply those of the
+ * present F_0 alone, for the rounding of the factor times that of z is of second order. */
 static double edge_size(const Mechanism *m, double factor, double F_ext) {
     if (m->model.transmission.straight) return fabs(factor) * axial_size(m, F_ext);
     const double lever = fabs(factor) + m->configuration.geometry.dz_dtheta;
@@ -98,8 +98,8 @@ double stick_edge(double factor, double F_0) {
 
 /* ---- differences that decide by their sign ---- */
 
-/* F_0, or tau less an edge factor F_0, whose sign decides, as a polynomial of the time at rest: u(t) = sum u_k t^k/k!. Below
- * a tie of the size of its terms u is rounding. */
+/* F_0, or tau less an edge factor F_0, whose sign decides, as a polynomial of the time at rest: u(t) = sum u_k t^k/k!.
+ * Below a tie of the size of its terms u is rounding. */
 typedef struct {
     double u[INPUT_ORDER + 1];
     bool is_load;
@@ -136,8 +136,8 @@ static double side_of(const Mechanism *m, double F_0) {
     return coming != 0 ? coming : F_0;
 }
 
-/* The edges per F_0 that tell whether the mechanism rests. Without a load, now and later, each direction has the edge of the
- * load that the spring makes in this direction. */
+/* The edges per F_0 that tell whether the mechanism rests. Without a load, now and later, each direction has the edge
+ * of the load that the spring makes in this direction. */
 static BandFactors edges_at_rest(const Mechanism *m, double F_0) {
     const double side = side_of(m, F_0);
     if (side != F_0 || stick_force_counts(m, F_0)) return stick_edges(m, side);
@@ -147,8 +147,8 @@ static BandFactors edges_at_rest(const Mechanism *m, double F_0) {
 }
 
 /* k-th time derivative of tau - E(F_0) at rest, with `factor` dE/dF_0. Zero if both terms cancel to rounding, or are no
- * more than the rounding of the factor: on a level groove the load passes no torque. Where friction depends on the load,
- * the second derivative of E is left out: it counts only if the first one of F_0 is zero as well. */
+ * more than the rounding of the factor: on a level groove the load passes no torque. Where friction depends on the
+ * load, the second derivative of E is left out: it counts only if the first one of F_0 is zero as well. */
 static double excess_rate(const Mechanism *m, double factor, int k) {
     const double cancelled = m->model.closed_form ? 0.0 : STICK_RATE_CANCELLED;
     const double tau = m->inputs.tau[k], load = stick_edge(factor, m->inputs.F_ext[k]);
@@ -298,9 +298,9 @@ static double loaded_excess(const void *context, double t) {
     return rest->sign * (tau - stick_edge(factor, F_0)) - rest->ties * tie;
 }
 
-/* The zero of the excess between a and b, s, on the side on which the torque has left: where an edge becomes infinite, the
- * excess jumps, and the other side is still rest. An excess of zero at a counts as rest: at F_0 = 0 both the torque and the
- * edge can be zero, while under the smallest load contacts that lock each other hold a torque. */
+/* The zero of the excess between a and b, s, on the side on which the torque has left: where an edge becomes infinite,
+ * the excess jumps, and the other side is still rest. An excess of zero at a counts as rest: at F_0 = 0 both the torque
+ * and the edge can be zero, while under the smallest load contacts that lock each other hold a torque. */
 COLD static double loaded_exit(const LoadedRest *rest, double a, double f_a, double b, double f_b) {
     double t = root_between(loaded_excess, rest, a, min_of(f_a, -DBL_MIN), b, f_b);
     double more = max_of(DBL_EPSILON * b, DBL_TRUE_MIN); /* the product is 0 in steps below 1e-308 s */
@@ -335,8 +335,8 @@ static double rest_time(const Mechanism *m, double ties, double left) {
 }
 
 double stick_rest_time(const Mechanism *m, double left) {
-    /* Far below the rounding of the step, whose end has other loads; a load that passes zero with the angle would else end
-     * rest after rest. */
+    /* Far below the rounding of the step, whose end has other loads; a load that passes zero with the angle would else
+     * end rest after rest. */
     const double t = rest_time(m, 0.0, left), least = DBL_EPSILON * DBL_EPSILON * left;
     return t > least ? t : max_of(rest_time(m, STICK_TIES_OF_NO_SLIP, left), least);
 }

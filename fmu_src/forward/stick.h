@@ -48,8 +48,8 @@ Mode stick_mode(const Mechanism *m);
  * torque might find a slip mode. */
 RestInterval stick_rest_interval(const Mechanism *m);
 
-/* The time, s, at most `left`, for which rest lasts under inputs that are polynomials. The time is at least the square of
- * the rounding of `left`. */
+/* The time, s, at most `left`, for which rest lasts under inputs that are polynomials. The time is at least the square
+ * of the rounding of `left`. */
 double stick_rest_time(const Mechanism *m, double left);
 
 /* R_i per pin end and per F_0. */

@@ -1,5 +1,5 @@
-/* Groove laws: the rise z = g(psi) of the pin when it turns by psi relative to its cam, g(0) = 0, g' >= 0. Helix, ellipse
- * and table are those of docs/mechanism.md, section 2, with a, b and kappa for h_x, h_z and chi. */
+/* Groove laws: the rise z = g(psi) of the pin when it turns by psi relative to its cam, g(0) = 0, g' >= 0. Helix,
+ * ellipse and table are those of docs/mechanism.md, section 2, with a, b and kappa for h_x, h_z and chi. */
 #ifndef DUALCAM_GROOVE_H
 #define DUALCAM_GROOVE_H
 

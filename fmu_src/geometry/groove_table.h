@@ -1,6 +1,5 @@
-/* Samples of a groove from a CSV file, header `psi_rad,z_m`, then two numbers per line; and the curve through them, that
- * of sampled_curve.h. Monotone samples give a monotone curve. z is
- * measured from the curve's value at psi = 0. */
+/* Samples of a groove from a CSV file, header `psi_rad,z_m`, then two numbers per line; and the curve through them,
+ * that of sampled_curve.h. Monotone samples give a monotone curve. z is measured from the curve's value at psi = 0. */
 #ifndef DUALCAM_GROOVE_TABLE_H
 #define DUALCAM_GROOVE_TABLE_H
 

@@ -14,8 +14,8 @@
 
 /* ---- breakpoints ---- */
 
-/* Where the polynomials must end: at the stops, and where the pin meets a knot of a table, for there the third derivative
- * of the groove jumps. */
+/* Where the polynomials must end: at the stops, and where the pin meets a knot of a table, for there the third
+ * derivative of the groove jumps. */
 typedef struct {
     double theta; /* rad */
     bool knot;    /* a knot of a table lies there */
@@ -154,9 +154,9 @@ static void set_allowed(const Fit *fit, const double steepest[2], const double r
     samples->z_allowed = TRANSMISSION_ERROR * fit->highest + DBL_MIN;
 }
 
-/* On a dwell of a table the slope is 0 at all inner nodes. The knots at its ends are known to a rounding, past which the
- * slope has begun to rise. The polynomial would carry this rise, some 1e-50 m/rad, all over the dwell, where a contact
- * that friction locks under a slope > 0 would jam. */
+/* On a dwell of a table the slope is 0 at all inner nodes. The knots at its ends are known to a rounding, past which
+ * the slope has begun to rise. The polynomial would carry this rise, some 1e-50 m/rad, all over the dwell, where a
+ * contact that friction locks under a slope > 0 would jam. */
 static void level_dwells(NodeSamples *samples) {
     for (int i = 0; i < 3; i++) {
         double steepest = 0.0;

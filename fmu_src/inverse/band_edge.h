@@ -1,6 +1,6 @@
-/* One edge E(x) = rho F_0 of the stick band along the angle x of cam 2, where the shaft is elastic, and the holding angle
- * theta_h(x) = x + E(x)/K of its far end (docs/mechanism.md, section 7). A reversal is an x where theta_h changes between
- * rising and falling, or jumps down because another pair of flanks takes over. */
+/* One edge E(x) = rho F_0 of the stick band along the angle x of cam 2, where the shaft is elastic, and the holding
+ * angle theta_h(x) = x + E(x)/K of its far end (docs/mechanism.md, section 7). A reversal is an x where theta_h changes
+ * between rising and falling, or jumps down because another pair of flanks takes over. */
 #ifndef DUALCAM_BAND_EDGE_H
 #define DUALCAM_BAND_EDGE_H
 

@@ -49,8 +49,8 @@ int contact_statics_side(const Load *load);
  * own reactions. False if no pair agrees: wedged. */
 bool contact_statics_forces(const ContactStatics *statics, int direction, const Load *load, ContactForces *forces);
 
-/* The same at rest on the edge of the stick band, where A = F_0 = F_s + F_ext and W = 0. Where friction depends on the load,
- * the statics receive the coefficients under F_0. */
+/* The same at rest on the edge of the stick band, where A = F_0 = F_s + F_ext and W = 0. Where friction depends on the
+ * load, the statics receive the coefficients under F_0. */
 bool contact_statics_on_edge(ContactStatics *statics, int direction, double F_0, ContactForces *forces);
 
 /* Is the reaction of contact i zero, to rounding? Then either flank agrees. */

@@ -65,7 +65,8 @@ static Mode mode_at_rest(const ElasticCam *cam, double theta) {
     return is_stopped(cam, theta, -1) ? MODE_LOWER_STOP : MODE_STICK;
 }
 
-void elastic_shaft_state(const ElasticCam *cam, double theta, double omega, ElasticShaftState *out) {
+/* Cam 2 as it stands, while the far end is at theta and turns at omega. */
+static void state_at(const ElasticCam *cam, double theta, double omega, ElasticShaftState *out) {
     const Params *p = &cam->m->params;
     EdgePoint point;
     double speed;
@@ -108,7 +109,7 @@ void elastic_shaft_present(const Inverse *m, ElasticShaftState *out) {
     cam.work = &work;
     elastic_cam_follow(&cam, m->state.theta, theta);
     if (work_is_spent(&work)) cam.x = NAN;
-    elastic_shaft_state(&cam, theta, m->inputs.omega[0], out);
+    state_at(&cam, theta, m->inputs.omega[0], out);
 }
 
 /* ---- one step ---- */
@@ -127,7 +128,7 @@ static void enter_mode(InverseState *state, Mode mode) {
 
 static void raise_peaks(ElasticStep *step, double theta) {
     ElasticShaftState now;
-    elastic_shaft_state(&step->cam, theta, 0.0, &now);
+    state_at(&step->cam, theta, 0.0, &now);
     double *peak = step->quadrature.peak;
     peak[SIZE_TORQUE] = max_of(peak[SIZE_TORQUE], fabs(now.tau));
     for (int i = 0; i < 2; i++) peak[SIZE_REACTION1 + i] = max_of(peak[SIZE_REACTION1 + i], fabs(now.reaction[i]));
@@ -144,7 +145,7 @@ static bool move_far_end(ElasticStep *step, double theta, double F_ext, bool ope
     if (direction == 0) return true;
     if (opens) {
         ElasticShaftState start;
-        elastic_shaft_state(cam, next->theta, direction, &start);
+        state_at(cam, next->theta, direction, &start);
         enter_mode(next, start.mode);
     }
     cam->moved = false;
@@ -214,7 +215,7 @@ bool elastic_shaft_advance(const Inverse *m, const ImposedMotion *motion, double
     if (m->params.ledger)
         step_booking_finish(m, &step.quadrature, shaft_energy(m, next->theta, next->cam) - shaft_before, &next->ledger);
     ElasticShaftState end;
-    elastic_shaft_state(&step.cam, next->theta, omega, &end);
+    state_at(&step.cam, next->theta, omega, &end);
     enter_mode(next, end.mode);
     return true;
 }

@@ -28,9 +28,6 @@ double elastic_shaft_start(const Inverse *m);
  * the work is spent. */
 void elastic_shaft_present(const Inverse *m, ElasticShaftState *out);
 
-/* Cam 2 as it stands, while the far end is at theta and turns at omega. */
-void elastic_shaft_state(const ElasticCam *cam, double theta, double omega, ElasticShaftState *out);
-
 /* With cam 2 at x and the present inputs: is the torque on the edge of the band in this direction, and is cam 2 free to
  * go on? `forces` are those on the edge. */
 bool elastic_shaft_is_on_edge(const Inverse *m, double x, int direction, ContactForces *forces);

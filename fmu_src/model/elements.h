@@ -10,8 +10,8 @@ double spring_force(const SpringParams *spring, double z);
 /* N/m: dF_s/dz */
 double spring_rate(const SpringParams *spring, double z);
 
-/* N: the size of the terms of F_s without the preload. Where z is known to a share s of dz, m, F_s is known to the share s of
- * this size: dF_s/dz counts at z, and not where the spring's force is larger. */
+/* N: the size of the terms of F_s without the preload. Where z is known to a share s of dz, m, F_s is known to the
+ * share s of this size: dF_s/dz counts at z, and not where the spring's force is larger. */
 double spring_terms(const SpringParams *spring, double z, double dz);
 
 /* N/m: the same for dF_s/dz. */

@@ -49,8 +49,8 @@ static inline bool any_friction_varies(const Params *p) {
            (any_friction_depends_on_speed(p) || any_friction_depends_on_load(p));
 }
 
-/* mu and its derivatives at v, m/s, and N >= 0, N, of one contact. A negative v, at which an iteration may look, continues
- * the law smoothly. */
+/* mu and its derivatives at v, m/s, and N >= 0, N, of one contact. A negative v, at which an iteration may look,
+ * continues the law smoothly. */
 FrictionCoefficient friction_at(const CamParams *cam, double v, double N);
 
 /* mu(0+, N): on the edge of the stick band, and where slip begins. */
@@ -77,8 +77,8 @@ static inline double friction_share(const FrictionFall *fall, double v, double t
     return allowed < change ? allowed / change : 1.0;
 }
 
-/* The share, above 0 and at most 1, of a change of the load, N, signed as F, that one step may span: near load zero the law has
- * a bend as wide as `low`, which the nodes of a longer step would not see. */
+/* The share, above 0 and at most 1, of a change of the load, N, signed as F, that one step may span: near load zero the
+ * law has a bend as wide as `low`, which the nodes of a longer step would not see. */
 static inline double friction_load_share(const FrictionFall *fall, double from, double to) {
     if (fall->low == 0.0) return 1.0;
     const double nearest = from * to <= 0.0 ? 0.0 : min_of(fabs(from), fabs(to)), change = fabs(to - from);
@@ -166,8 +166,8 @@ static inline Vector2 friction_load_power_near(const FrictionNearby *near, const
     return start->power * (1.0 + u * (c[0] + u * (c[1] + u * (c[2] + u * (c[3] + u * (c[4] + u * c[5]))))));
 }
 
-/* Without a table: friction_at() at two speeds, times the sign, to some roundings; the derivative by the speed only for speeds >= 0.
- * start: of the load power; load2: (N/N_ref)^2. */
+/* Without a table: friction_at() at two speeds, times the sign, to some roundings; the derivative by the speed only for
+ * speeds >= 0. start: of the load power; load2: (N/N_ref)^2. */
 static inline VectorFriction friction_by_law(const FrictionNearby *near, const FrictionLoadStart *start, Vector2 v,
                                              Vector2 load2) {
     VectorFriction dry = {near->kinetic, {0.0, 0.0}};

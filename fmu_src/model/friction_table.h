@@ -13,8 +13,6 @@
 #include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
-#include <stdint.h>
-#include <string.h>
 
 #include "elementary/vector2.h"
 #include "model/params.h"
@@ -25,8 +23,8 @@
 
 enum { FRICTION_LOADS_MAX = 16 };
 
-/* From one knot to the next: samples over the speed or over the load, in whose unit its fields are. Beyond the last knot
- * the upper knot is infinity. */
+/* From one knot to the next: samples over the speed or over the load, in whose unit its fields are. Beyond the last
+ * knot the upper knot is infinity. */
 typedef struct {
     double lower;
     double ahead[2]; /* where a step down or up is to end: the knots; -infinity in place of knot 0 */
@@ -90,8 +88,8 @@ static inline const FrictionPatch *friction_table_patch(const FrictionTable *tab
 /* Of knot k and the next; knot 0 is 0, where no step ends. */
 KnotCell friction_table_cell(const double *knot, size_t last, size_t k);
 
-/* N >= 0, N, of one contact. Below v = 0, at which an iteration may look, the first piece continues for a quarter of its
- * width. */
+/* N >= 0, N, of one contact. Below v = 0, at which an iteration may look, the first piece continues for a quarter of
+ * its width. */
 FrictionCoefficient friction_table_at(const FrictionTable *table, double v, double N);
 
 /* mu along a motion with the sliding speed v and the square of the nominal load; with one load that is not used. */

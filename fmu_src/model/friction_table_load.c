@@ -1,7 +1,6 @@
 #include "model/friction_table_load.h"
 
 #include <math.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,6 +1,6 @@
-/* The work of one call of the FMI interface, and its limit. All searches of a call count their evaluations of the motion
- * in one counter, so that the call ends after a bounded number of operations, whatever parameters, inputs and step are.
- * Each search also has a bound of its own; the counter bounds searches inside searches. */
+/* The work of one call of the FMI interface, and its limit. All searches of a call count their evaluations of the
+ * motion in one counter, so that the call ends after a bounded number of operations, whatever parameters, inputs and
+ * step are. Each search also has a bound of its own; the counter bounds searches inside searches. */
 #ifndef DUALCAM_WORK_H
 #define DUALCAM_WORK_H
 
@@ -8,7 +8,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Evaluations at most: about two seconds, 0.1 to 0.2 us each. What the decision and the proposal of a segment count for. */
+/* Evaluations at most: about two seconds, 0.1 to 0.2 us each. What the decision and the proposal of a segment count
+ * for. */
 enum { MAX_WORK = 10000000, WORK_OF_SEGMENT = 20 };
 
 /* A step that needs more segments is refused. The limit bounds a step to about two seconds: a segment takes 15 us where

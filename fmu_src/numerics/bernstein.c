@@ -207,7 +207,8 @@ static void turning_times(const double u[4], double t[2]) {
     }
 }
 
-/* Between two turns u is monotone. So the first turn outside the strip tells the sign, or what follows the last turn. */
+/* Between two turns u is monotone. So the first turn outside the strip tells the sign, or what follows the last turn.
+ * */
 int taylor_leaving_sign(const double u[4], double width) {
     int direction = first_direction(u);
     double t[2];

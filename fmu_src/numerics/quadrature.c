@@ -141,8 +141,8 @@ static int first_change(const Panel *panel) {
 
 typedef enum { PANEL_COVERS, PANEL_DIVIDES, PANEL_UNKNOWN } PanelVerdict;
 
-/* Integrates over [from, to] by one panel, or divides the interval into [from, cut[0]] and [cut[1], to]. The panel does not stay
- * on the stack while the parts are covered. */
+/* Integrates over [from, to] by one panel, or divides the interval into [from, cut[0]] and [cut[1], to]. The panel does
+ * not stay on the stack while the parts are covered. */
 NOINLINE static PanelVerdict try_panel(Quadrature *s, const Scale *whole, double from, double to, bool spent,
                                        Scale *own, double cut[2]) {
     Panel panel;

@@ -24,7 +24,7 @@ typedef void Integrand(const void *scene, double x, QuadratureSample *out);
 typedef struct {
     Integrand *integrand;
     const void *scene;
-    double tolerance;         /* relative to the sum of the magnitudes of all rates */
+    double tolerance;         /* relative to the magnitudes of all energies; sliding shares their panels */
     double rounding;          /* J: an error that counts as none */
     double total[RATE_COUNT]; /* J, the integrals are added */
     double peak[SIZE_COUNT];  /* raised to the peaks found */

@@ -27,15 +27,16 @@ static const double BEYOND_NODES = 0.6;
 
 /* root */
 
-/* Iterations of root finders at most: where the root is one of all doubles, which bisection alone finds in 64 and the methods
- * of the core in at most three times as many; and where it lies in a bracket of known size, which takes 60 halvings. */
+/* Iterations of root finders at most: where the root is one of all doubles, which bisection alone finds in 64 and the
+ * methods of the core in at most three times as many; and where it lies in a bracket of known size, which takes 60
+ * halvings. */
 enum { ROOT_MAX_ITERATIONS = 200, BRACKET_ITERATIONS = 100 };
 
 /* Halvings of any interval of doubles at most: DBL_MAX to 5e-324. */
 enum { BISECTIONS_MAX = 2200 };
 
-/* Share of |x| at which a bracket holds no double inside, and a step of an iteration is rounding. Of the angle of the pin ten
- * times larger: tests/test_groove.py fails, in the test of a transmission. */
+/* Share of |x| at which a bracket holds no double inside, and a step of an iteration is rounding. Of the angle of the
+ * pin ten times larger: tests/test_groove.py fails, in the test of a transmission. */
 static const double ROOT_WIDTH = 2.0 * DBL_EPSILON;
 
 /* golden section */
@@ -62,21 +63,23 @@ static const double QUADRATURE_PEAK_ROUNDING = 4.0 * DBL_EPSILON;
 
 /* ---- model ---- */
 
-/* Share of what adds up to it below which a coefficient of an input's polynomial is rounding: a difference of the samples of
- * a ramp, or a speed that is zero at the end of a step, which makes no reversal just before the end. */
+/* Share of what adds up to it below which a coefficient of an input's polynomial is rounding: a difference of the
+ * samples of a ramp, or a speed that is zero at the end of a step, which makes no reversal just before the end. */
 static const double INPUT_ROUNDING = 8.0 * DBL_EPSILON;
 
-/* Share s of spring_terms(), at most: where F_s begins with z^2 or z^3, the rounding of z changes F_s at z = 0 in second order. */
+/* Share s of spring_terms(), at most: where F_s begins with z^2 or z^3, the rounding of z changes F_s at z = 0 in
+ * second order. */
 static const double SPRING_BENDS = 2e-12;
 
-/* Bytes of a file of numbers. Samples of a friction table: three give the curve a bend; steps end at each. LARGEST_ENERGY:
- * J, of one segment; 2^63 segments add up to a finite number. */
+/* Bytes of a file of numbers. Samples of a friction table: three give the curve a bend; steps end at each.
+ * LARGEST_ENERGY: J, of one segment; 2^63 segments add up to a finite number. */
 enum { CSV_MAX_BYTES = 16 * 1024 * 1024, FRICTION_SAMPLES_MIN = 3, FRICTION_SAMPLES_MAX = 2000 };
 static const double FRICTION_MAX = 10.0, FRICTION_LOAD_POWER = 0.9, LARGEST_ENERGY = 1e288;
 
-/* A step may pass a sample by a share of a piece, times tolerance^(3/8): the error of the jump grows with the cube; share
- * of that before a sample that counts as reached. In a step the speed may change by the share SPAN of a piece, times SLACK
- * beyond an aim: with a whole piece, errors reach 20 tolerances. Share of the way left by which a step misses its aim. */
+/* A step may pass a sample by a share of a piece, times tolerance^(3/8): the error of the jump grows with the cube;
+ * share of that before a sample that counts as reached. In a step the speed may change by the share SPAN of a piece,
+ * times SLACK beyond an aim: with a whole piece, errors reach 20 tolerances. Share of the way left by which a step
+ * misses its aim. */
 static const double FRICTION_OVERSHOOT = 0.6, FRICTION_REACHED = 0.25, FRICTION_AIM_SHARE = 0.8;
 static const double FRICTION_SPAN = 0.5, FRICTION_SPAN_SLACK = 1.1;
 
@@ -122,8 +125,8 @@ enum { TRANSMISSION_MAX_PIECES = 20000 };
 /* ---- contact ---- */
 
 /* Samples per piece of the transmission in the search for the place that a message names. The pieces of a table,
- * JAM_MANY_PIECES, are short. Halvings of a piece, in all, in the proof that D > 0: where D all but touches zero, the class is
- * self-locking. */
+ * JAM_MANY_PIECES, are short. Halvings of a piece, in all, in the proof that D > 0: where D all but touches zero, the
+ * class is self-locking. */
 enum { JAM_SAMPLES = 64, JAM_SAMPLES_OF_MANY = 8, JAM_MANY_PIECES = 64, DOMAIN_HALVINGS = 1000 };
 
 /* Share of the terms that add up to a reaction below which the reaction is zero and suits either flank: rounding. */
@@ -154,7 +157,8 @@ static const double OSCILLATOR_SERIES_CUT = 1e-19;
  * square. An excursion above rounding grows past any end stop in that time. */
 static const double OSCILLATOR_MAX_GROWTH = 300.0;
 
-/* m, an edge of the stick band per F_0 that stands for an infinite one: no torque is beyond it, once F_0 has its sign. */
+/* m, an edge of the stick band per F_0 that stands for an infinite one: no torque is beyond it, once F_0 has its sign.
+ * */
 static const double STEEPEST_EDGE = 1e150;
 
 /* Share of its value at the start below which a derivative at the end of a segment has died away: sign of rounding. */
@@ -216,7 +220,8 @@ enum { RADAU_NEWTON_ITERATIONS = 12 };
 
 /* Energy balance of a step */
 
-/* Share of the tolerance for the residual of one step, for many can pass the same energy; rounding of energies, and of z. */
+/* Share of the tolerance for the residual of one step, for many can pass the same energy; rounding of energies, and of
+ * z. */
 static const double STEP_ENERGY_SHARE = 0.1, STEP_ENERGY_ROUNDING = 32.0 * DBL_EPSILON;
 static const double STEP_HEIGHT_ROUNDING = 2.0 * DBL_EPSILON;
 
@@ -261,14 +266,16 @@ static const double STEP_SIMILAR = 0.5;
 enum { STEP_TRIALS = 60, STEP_SAMPLE_TRIALS = 8 };
 
 /* Event location */
-/* Shares: of the step before which a crossing of an indicator that starts from zero is rounding, since the mode decision
- * has found the indicator to rise; of the largest value, below which a value within the step does not count as a dip. */
+/* Shares: of the step before which a crossing of an indicator that starts from zero is rounding, since the mode
+ * decision has found the indicator to rise; of the largest value, below which a value within the step does not count as
+ * a dip. */
 static const double CROSSING_AT_ONCE = 1e-9, CROSSING_DIP = 1e-9;
 
 /* Share of the terms of a reaction below which it passes zero together with the other one. */
 static const double CROSSING_TOGETHER = 1e-6;
 
-/* A reaction that the mode decision counts as zero leaves its flank this many times the decision's rounding below zero. */
+/* A reaction that the mode decision counts as zero leaves its flank this many times the decision's rounding below zero.
+ * */
 static const double CROSSING_ALLOWANCE = 2.0;
 
 /* Share of the largest value of an indicator below which a coefficient of its polynomial is rounding. */
@@ -291,7 +298,8 @@ static const double LOCATION_FIRST_EXTENSION = 8.0 * DBL_EPSILON;
 enum { LOCATION_EXTENSIONS = 11 };
 
 /* An event that shows in shorter steps only: the factor on the length, and the shortest length as a share of the time
- * left. h |dalpha/domega| above which a step is stiff, and the share of the way to a change of flanks at which it ends. */
+ * left. h |dalpha/domega| above which a step is stiff, and the share of the way to a change of flanks at which it ends.
+ * */
 static const double LOCATION_SHORTENING = 0.125, LOCATION_SHORTEST = 1e-13;
 static const double LOCATION_STIFF = 10.0, LOCATION_APPROACH = 0.75;
 static const double LOCATION_DEPARTURE = 2.0; /* exponent by which a deviation that is rounding may grow in a step */
@@ -300,20 +308,21 @@ static const double LOCATION_DEPARTURE = 2.0; /* exponent by which a deviation t
 enum { LOCATION_TO_BREAKPOINT = 2 };
 
 /* Lobatto step */
-/* Share of what the tolerance allows that the next sweep may change where the change is added: its own error is a tenth or
- * less, and in the scenes of benchmarks.friction_cost less than a hundredth. Factor by which a sweep must reduce the change of
- * the sweep before: else Newton's method is faster. Sweeps of one step. */
+/* Share of what the tolerance allows that the next sweep may change where the change is added: its own error is a tenth
+ * or less, and in the scenes of benchmarks.friction_cost less than a hundredth. Factor by which a sweep must reduce the
+ * change of the sweep before: else Newton's method is faster. Sweeps of one step. */
 static const double LOBATTO_LAST_SHARE = 0.5, LOBATTO_CONTRACTION = 0.1;
 enum { LOBATTO_SWEEPS = 8 };
 
-/* Times the tolerance, the share of theta by which the last sweep may move the end of the step, where friction varies. */
+/* Times the tolerance, the share of theta by which the last sweep may move the end of the step, where friction varies.
+ * */
 static const double LOBATTO_SHIFT_SHARE = 0.3;
 
 /* Share of the distance to a breakpoint by which a step that aims at it may miss it. Ratio of the cubic term to the
  * square term, and of that to the linear one, in a motion that four nodes resolve. */
 static const double LOBATTO_AIM_SHARE = 1e-8, LOBATTO_DECAY = 0.3;
-/* Relative error of a peak per square of the error of its cubic over peak and second derivative. Margin, of tolerance^8,
- * after which a step is not swept again. */
+/* Relative error of a peak per square of the error of its cubic over peak and second derivative. Margin, of
+ * tolerance^8, after which a step is not swept again. */
 static const double LOBATTO_PEAK_SHARE = 10.0, LOBATTO_FAR_OFF = 4.0;
 
 /* Variation of a step */
@@ -352,8 +361,8 @@ static const double STICK_MARGIN_TIES = 4.0; /* short of the edge, where modes o
  * torque is beyond the edge by this many ties. */
 static const double STICK_TIES_OF_NO_SLIP = 2.0;
 
-/* A collocation step ends on a change of flanks to its own rounding: this many times the rounding of one balance. Share of
- * the terms of alpha, or without inertia of omega, below which it is rounding. */
+/* A collocation step ends on a change of flanks to its own rounding: this many times the rounding of one balance. Share
+ * of the terms of alpha, or without inertia of omega, below which it is rounding. */
 static const double CANDIDATE_COARSE = 10.0, CANDIDATE_ROUNDING = 1e-11, CANDIDATE_TIES = 2.0;
 
 /* Rounding of theta, as a share of the largest angle, over REACTION_ZERO_SHARE: a reaction that is smaller than the
@@ -377,9 +386,9 @@ static const double NEAR_DWELL = 1e-3;
 /* A solver that integrates for model exchange finds an end stop to this share of the largest angle. */
 static const double AT_STOP = 1e-13;
 
-/* Model exchange: an indicator crosses zero this much late, beyond the tie, so that a reported crossing changes the mode, and
- * rest of an imposed motion, omega = 0, is no event.
- * Stops are not late: to fall on beyond them would make the smallest bounces go on for ever. */
+/* Model exchange: an indicator crosses zero this much late, beyond the tie, so that a reported crossing changes the
+ * mode, and rest of an imposed motion, omega = 0, is no event. Stops are not late: to fall on beyond them would make
+ * the smallest bounces go on for ever. */
 static const double LATE_SPEED = 1e-10; /* rad/s */
 static const double LATE_TIES = 4.0;    /* ties of torque */
 static const double LATE_LOADS = 1e-11; /* of the terms of a reaction; the tie of the reactions is less */
@@ -394,8 +403,8 @@ static const double SOLVER_OVERSHOOT = 0.05;
 static const double PLAY_FIRST_SAMPLE = 1e-6;
 enum { PLAY_SAMPLES = 32 };
 
-/* Play operator: two rules that agree to the tolerance are more exact than their difference. The rounding is that of the
- * energies. */
+/* Play operator: two rules that agree to the tolerance are more exact than their difference. The rounding is that of
+ * the energies. */
 static const double PLAY_SHARE_OF_TOLERANCE = 0.1, PLAY_ROUNDING = 64.0 * DBL_EPSILON;
 
 /* Self-locking contacts can wedge and let go again at once (P. Painleve, 1895). */
@@ -427,8 +436,8 @@ enum {
 
 /* ---- sensitivity ---- */
 
-/* Share of the torques at the edge of the stick band that remains where the edge holds the torque, and of the terms of omega
- * below which slip begins at rest. Slip begins with a jump of the speed only where a contact locks. */
+/* Share of the torques at the edge of the stick band that remains where the edge holds the torque, and of the terms of
+ * omega below which slip begins at rest. Slip begins with a jump of the speed only where a contact locks. */
 static const double SENSITIVITY_ROUNDING = 1e-9;
 
 /* Distance between the angles of a central difference of order 4, as a share of the width of the transmission's piece.

@@ -74,8 +74,8 @@ static Jet length_along(const SlipMode *slip, const GroovesAlong *g, int i) {
     return jet_sqrt(&length2);
 }
 
-/* Where friction varies: f_i along the motion, from v_i = sigma omega psi_i' hypot(r_i, a_i) and the nominal load under the
- * force F (model/friction_law.h). */
+/* Where friction varies: f_i along the motion, from v_i = sigma omega psi_i' hypot(r_i, a_i) and the nominal load under
+ * the force F (model/friction_law.h). */
 static Jet friction_of(const SlipMode *slip, const GroovesAlong *g, const Jet *force, const Taylor *t, int i) {
     const Jet length = length_along(slip, g, i), dpsi_dtheta = dpsi_along(g, i);
     const Jet sliding = jet_multiply(&dpsi_dtheta, &length), load = jet_multiply(force, &sliding);

@@ -1,4 +1,5 @@
-/* Derivatives of the outputs of inverse dynamics: by time, along the motion that the inputs describe now, and partial ones. */
+/* Derivatives of the outputs of inverse dynamics: by time, along the motion that the inputs describe now, and partial
+ * ones. */
 #ifndef DUALCAM_INVERSE_DERIVATIVES_H
 #define DUALCAM_INVERSE_DERIVATIVES_H
 

@@ -41,7 +41,8 @@ static bool edge_slip(const Mechanism *m, int direction, SlipMode *slip) {
     return true;
 }
 
-/* At one angle. The residual Delta tau - P F_0 of the edge gives the derivatives: tau - E is the residual over Delta. */
+/* At one angle. The residual Delta tau - P F_0 of the edge gives the derivatives: tau - E is the residual over Delta.
+ * */
 static Excess edge_excess(const SlipMode *slip, double theta) {
     Balance on_edge;
     Excess excess;
@@ -70,8 +71,8 @@ static void edge_give(const Mechanism *m, const Excess *excess, Variation *x) {
         x->theta[known] = held && slope > 0.0 ? give(excess, known) : 0.0;
 }
 
-/* The times, s per unit, by which the torque passes the edge later, if theta varies as in x: g = tau - E(theta) = 0 comes
- * later by -dg/(dg/dt). `omega`: rad/s, of cam 2. */
+/* The times, s per unit, by which the torque passes the edge later, if theta varies as in x: g = tau - E(theta) = 0
+ * comes later by -dg/(dg/dt). `omega`: rad/s, of cam 2. */
 static void edge_delays(const Mechanism *m, int direction, double omega, const Variation *x,
                         double delay[KNOWN_COUNT]) {
     SlipMode slip;
@@ -87,8 +88,8 @@ static void edge_delays(const Mechanism *m, int direction, double omega, const V
 /* Of a central difference of order 4, times 12. */
 static const double offset[4] = {-2.0, -1.0, 1.0, 2.0}, weight[4] = {1.0, -8.0, 8.0, -1.0};
 
-/* While theta follows the edge, the change of the speed is the time derivative of the change of theta, by a central difference of order 4 along the
- * motion. F_ext varies at most by a small share of F_0. */
+/* While theta follows the edge, the change of the speed is the time derivative of the change of theta, by a central
+ * difference of order 4 along the motion. F_ext varies at most by a small share of F_0. */
 static void edge_speed_give(const SlipMode *slip, double theta, double omega, Variation *x) {
     const Inputs *in = slip->inputs;
     const Excess now = edge_excess(slip, theta);
@@ -166,8 +167,8 @@ static void carry_in_closed_form(const LinearSlipMode *slip, double t, Variation
     }
 }
 
-/* Without inertia and damping theta is where the edge E(theta) equals the torque, whatever theta was before:
- * d theta = d(tau - E)/E'. Following the edge ends at a fold, E' = 0, when the torque gets to the torque of the fold. */
+/* Without inertia and damping theta is where the edge E(theta) equals the torque, whatever theta was before: d theta =
+ * d(tau - E)/E'. Following the edge ends at a fold, E' = 0, when the torque gets to the torque of the fold. */
 static void carry_along_edge(const Mechanism *m, const SlipMode *slip, Carried *v) {
     const Excess excess = edge_excess(slip, m->state.theta.hi);
     edge_give(m, &excess, &v->x);
