@@ -239,7 +239,7 @@ class Mechanism:
             - p * (axial + self.m * k.ddz * square)
             - q * self.I * k.ddgamma * square
         )
-        alpha = drive / mass
+        alpha = drive / mass if mass else math.inf  # at the very zero of D
         load = axial + self.m * (k.dz * alpha + k.ddz * square)
         moment = self.I * (k.dgamma * alpha + k.ddgamma * square)
         x1, x2 = (self.r2 * n2 * load - d2 * moment) / delta, (self.r1 * n1 * load + d1 * moment) / delta

@@ -63,8 +63,10 @@ class Simulation:
         """The mode before time 0, of the inputs' values there."""
         self._set_inputs(Interval(first.duration, first.tau[:1], first.f_ext[:1]))
         if self.mechanism.inertial and self.omega != 0:
-            self._slip(0.0, int(math.copysign(1, self.omega)), None)
-            self.events = 0
+            sigma = int(math.copysign(1, self.omega))
+            carried = self._carrying(0.0, sigma, None, PAIRS) is not None
+            self.mode = self._moving_mode(sigma) if carried else WEDGED
+            self.omega *= carried
             return
         sigma, mode = self._side_at_rest(0.0)
         self.mode = mode if sigma == 0 else self._moving_mode(sigma)
