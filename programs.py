@@ -109,7 +109,7 @@ PAGES = (
         ),
     ),
     Program(
-        *("refresh", "Makes all published figures anew, and goes on where one fails", 57),
+        *("refresh", "Makes all published figures anew, and goes on where one fails", 46),
         "programs.py --refresh",
         "bench,strength",
         build="all",
@@ -355,7 +355,11 @@ def main(words: Sequence[str]) -> int:
         print(find(words[1]).extras)
         return 0
     if words[0] == "--refresh":
-        return refresh((*REFRESH, *LONG_REFRESH) if "--long" in words else REFRESH)
+        unknown = set(words) - {"--refresh", "--long"}
+        if unknown:
+            print(f"refresh: {', '.join(sorted(unknown))}: allowed is --long")
+            return 2
+        return refresh((*REFRESH[:-1], *LONG_REFRESH) if "--long" in words else REFRESH)
     return run(find(words[0]), words[1:])
 
 

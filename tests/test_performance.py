@@ -17,6 +17,7 @@ from rich.console import Console
 
 from benchmarks import bench
 from benchmarks.harness import circumstances, core, inputs, instructions, steps
+from benchmarks.harness.core import LOOP_LIMITS, loop_limit
 from benchmarks.harness.fmu import LOWER, RELEASING, STICK, Slave
 from benchmarks.harness.inputs import InputRun, Inputs
 from benchmarks.harness.markdown import rounded
@@ -179,6 +180,7 @@ def test_the_priced_evaluation_is_the_fmus_acceleration():
 
 
 def test_the_bound_finds_all_limits_in_the_sources():
+    assert all(loop_limit(name) > 0 for name in LOOP_LIMITS)
     made = bound.bound()
     assert 1e6 < made.work < made.evaluations_per_step < 1e8 and bound.bound_of_closed_form() > 1000
     assert made.segments == 100_000  # the message of a refused step has the number, too

@@ -29,7 +29,7 @@ OPTIMISED = ("-O3", "-fvisibility=hidden")
 LOOP_LIMITS = {
     "segments per step": ("work", "MAX_SEGMENTS_PER_STEP"),
     "work per step": ("work", "MAX_WORK"),
-    "jams per step": ("tolerances", "MAX_JAMS_PER_STEP"),
+    "jams per step": ("tolerances", "MAX_WEDGES_PER_STEP"),
     "shortest segment": ("tolerances", "LOCATION_SHORTEST"),
     "shortenings": ("tolerances", "STEP_TRIALS"),
     "event iterations": ("tolerances", "LOCATION_ITERATIONS"),

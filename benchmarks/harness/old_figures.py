@@ -43,6 +43,8 @@ def without_line(text: str) -> str:
 def with_line(text: str, core: str | None = None) -> str:
     """The text of a page. It has the line if it has results of another core than `core`, that of today."""
     text = without_line(text)
+    if not (FILE.search(text) or OWN.search(text)):
+        return text
     old = old_results(text, core or core_of())
     if not old:
         return text

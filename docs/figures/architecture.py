@@ -8,7 +8,6 @@ files."""
 from __future__ import annotations
 
 import argparse
-import ast
 import re
 from pathlib import Path
 
@@ -16,6 +15,7 @@ import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import FancyArrowPatch, FancyBboxPatch
+from python_rooms import may_import
 
 ROOT = Path(__file__).resolve().parents[2]
 SOURCES = ROOT / "fmu_src"
@@ -87,14 +87,8 @@ def includes() -> set[tuple[str, str]]:
 
 def imports() -> set[tuple[str, str]]:
     """Pairs of rooms of dualcam but for cli: the first one may import the second one."""
-    found = set()
-    for path in sorted((ROOT / "dualcam").rglob("__init__.py")):
-        name = ".".join(path.parent.relative_to(ROOT / "dualcam").parts)
-        text = ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))) or ""
-        said = re.search(r"^May import ([\w., ]+)\.$", text, re.MULTILINE)
-        if name in PYTHON_ROOMS and said:
-            found |= {(name, other) for other in said[1].split(", ") if other in PYTHON_ROOMS}
-    return found
+    allowed, drawn = may_import(ROOT), PYTHON_ROOMS.keys() - {"cli"}
+    return {(room, other) for room, others in allowed.items() for other in others if {room, other} <= drawn}
 
 
 def without_shortcuts(rooms: Rooms, arrows: set[tuple[str, str]]) -> set[tuple[str, str]]:

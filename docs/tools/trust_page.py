@@ -13,6 +13,7 @@ from collections import Counter
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
+from benchmarks.harness.circumstances import FACTS
 from benchmarks.harness.old_figures import with_line
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -20,7 +21,6 @@ RESULTS = ROOT / "tests/verification/results"
 CORPUS = ROOT / "tests/fuzz_corpus"
 
 PAGE = ROOT / "docs/trust.md"
-FACTS = ("command", "date", "machine", "versions", "commit", "core")
 VERDICTS = ("killed", "equivalent", "cost only", "survives")
 KINDS = {
     "arguments": "two arguments of one type swapped",
@@ -54,7 +54,7 @@ def table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
 
 
 def measured(name: str) -> str:
-    """When, where and of which core. docs/tools/old_figures.py looks for the name of the file."""
+    """When, where and of which core. benchmarks/harness/old_figures.py looks for the name of the file."""
     last = read(name)[-1]
     return (
         f"`tests/verification/results/{name}.csv`, measured on {last['date']}: {last['machine']}; "

@@ -66,7 +66,7 @@ def main() -> int:
     parser = results.options(__doc__, "fuzz_runs", folder=VERIFICATION / "results")
     parser.add_argument("--seed", type=int, required=True, help="of hypothesis")
     arguments, pytest = parser.parse_known_args()
-    console, facts, begin, text = results.new_console(), circumstances("fuzz record"), time.monotonic(), ""
+    console, facts, begin, text = results.new_console(), circumstances("fuzz-record"), time.monotonic(), ""
     for piece in played(pytest, arguments.seed):
         text += piece
         print(piece, end="", flush=True)

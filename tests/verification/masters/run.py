@@ -24,7 +24,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from benchmarks.harness.circumstances import core_of
+from benchmarks.harness.circumstances import core_of, processor
 from benchmarks.harness.old_figures import with_line
 from verification.masters import install, players, scenes
 from verification.masters.install import (
@@ -219,13 +219,6 @@ def tool(name: str, *words: str) -> str:
         return f"no {name}"
     done = install.attempt([name, *words], 60)
     return (done.stdout + done.stderr).strip().split("\n")[0]
-
-
-def processor() -> str:
-    """Name and number of the processors."""
-    lines = Path("/proc/cpuinfo").read_text().splitlines()
-    names = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
-    return f"{names[0]}, {len(names)} processors" if names else platform.processor()
 
 
 def markdown(outcomes: list[Outcome]) -> str:
