@@ -32,7 +32,8 @@ class FrictionParams(Structure):
 
 class CamParams(Structure):
     _fields_ = [
-        *((n, c_double) for n in ("radius", "lead_angle", "ellipse_a", "ellipse_b", "friction")),
+        *((n, c_double) for n in ("radius", "lead_angle", "ellipse_a", "ellipse_b")),
+        *((n, c_double) for n in ("cycloid_rise", "cycloid_angle", "friction")),
         ("law", FrictionParams),
         ("wear", c_double),
         ("profile", c_int),
@@ -82,12 +83,15 @@ class Table(Structure):
 
 class Groove(Structure):
     _fields_ = [
+        ("law", c_void_p),
         ("profile", c_int),
         *((n, c_double) for n in ("radius", "gain", "height", "rate", "S0", "C0")),
         ("table", Table),
         ("path", c_char_p),
         ("first", c_double),
         ("last", c_double),
+        ("parameter", c_char_p),
+        ("size", c_double),
     ]
 
 
@@ -160,7 +164,7 @@ def library(core):
 
 def cam(profile=HELIX, radius=0.02, lead=0.8, a=0.05, b=0.05, kappa=-1, table=""):
     coulomb = FrictionParams(peak=1.0, stribeck_velocity=0.01, stribeck_exponent=2, load=100.0)
-    made = Cam(radius, lead, a, b, 0.14, coulomb, 0.0, profile, kappa)
+    made = Cam(radius, lead, a, b, 0.02, 1.3963, 0.14, coulomb, 0.0, profile, kappa)
     made.table = str(table).encode()
     return made
 
@@ -467,7 +471,7 @@ def test_table_path_refused(library, tmp_path):
     assert "must" in text and text.count("\u00e9") == 60
     said = groove_refusal(library, cam(TABLE, table="n" * 400), b"/" + b"r" * 4000)
     assert "r" * 119 + '": give an absolute path' in said and "r" * 120 not in said
-    assert "cam2.profile = 4" in groove_refusal(library, cam(4))
+    assert "cam2.profile = 5" in groove_refusal(library, cam(5))
 
 
 def test_table_path_ignores_the_working_directory(library, grooves, tmp_path, monkeypatch):

@@ -41,7 +41,7 @@ enum { LAW_END = offsetof(FrictionParams, stribeck_exponent) + sizeof(int) };
 _Static_assert(LAW_END == 5 * sizeof(double) + sizeof(int), "padding in FrictionParams");
 _Static_assert(sizeof(FrictionParams) - LAW_END < sizeof(double) + sizeof(FrictionTable *),
                "a member of FrictionParams besides the table, which no saved state holds");
-_Static_assert(sizeof(CamParams) == 6 * sizeof(double) + sizeof(FrictionParams) + 2 * sizeof(int),
+_Static_assert(sizeof(CamParams) == 8 * sizeof(double) + sizeof(FrictionParams) + 2 * sizeof(int),
                "padding in CamParams");
 _Static_assert(PARAMS_END == 2 * sizeof(CamParams) + sizeof(SpringParams) + sizeof(DamperParams) +
                                  sizeof(InertiaParams) + sizeof(ShaftParams) + sizeof(StopParams) +

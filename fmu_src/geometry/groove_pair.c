@@ -13,22 +13,14 @@ typedef struct {
     char text[QUOTED_PATH + 32];
 } ParameterText;
 
-static ParameterText parameter_text(const Params *p, int i) {
-    const CamParams *cam = p->cam;
+static ParameterText parameter_text(const Groove *groove, int i) {
     ParameterText name;
-    switch (cam[i].profile) {
-        case PROFILE_HELIX:
-            snprintf(name.text, sizeof name.text, "cam%d.lead_angle = %s", i + 1,
-                     shortest_decimal(cam[i].lead_angle).text);
-            break;
-        case PROFILE_ELLIPSE:
-            snprintf(name.text, sizeof name.text, "cam%d.ellipse_a = %s", i + 1,
-                     shortest_decimal(cam[i].ellipse_a).text);
-            break;
-        default:
-            snprintf(name.text, sizeof name.text, "cam%d.table = \"%.*s\"", i + 1, csv_quoted(p->table[i], QUOTED_PATH),
-                     p->table[i]);
-    }
+    if (groove->path != NULL)
+        snprintf(name.text, sizeof name.text, "cam%d.table = \"%.*s\"", i + 1, csv_quoted(groove->path, QUOTED_PATH),
+                 groove->path);
+    else
+        snprintf(name.text, sizeof name.text, "cam%d.%s = %s", i + 1, groove->parameter,
+                 shortest_decimal(groove->size).text);
     return name;
 }
 
@@ -58,35 +50,34 @@ static int ending_groove(const Groove groove[2], double end, bool upper) {
     return second < first ? 1 : 0;
 }
 
-static bool refuse_end(const Groove groove[2], const Params *p, double end, double stop, Fault *fault) {
+static bool refuse_end(const Groove groove[2], double end, double stop, Fault *fault) {
     const bool upper = stop > 0.0;
     const int i = ending_groove(groove, end, upper);
-    const bool ellipse = groove[i].profile == PROFILE_ELLIPSE;
-    const ParameterText name = parameter_text(p, i);
+    const GrooveLaw *law = groove[i].law;
+    const ParameterText name = parameter_text(&groove[i], i);
     snprintf(fault->text, sizeof fault->text,
              "%s: the %s groove of cam %d ends at psi = %.10g rad, reached at theta = %.10g rad, "
              "before %s = %.10g rad: %s",
-             name.text, ellipse ? "elliptical" : "sampled", i + 1, end_of(&groove[i], upper), end,
-             upper ? "stop.upper" : "stop.lower", stop,
-             ellipse ? "S = S0 + kappa r psi/a must stay in [0, 1)" : "the samples must reach as far as the stops");
+             name.text, law->adjective, i + 1, end_of(&groove[i], upper), end, upper ? "stop.upper" : "stop.lower",
+             stop, law->reach);
     return false;
 }
 
-static bool check_end(const Groove groove[2], const Params *p, double stop, Fault *fault) {
+static bool check_end(const Groove groove[2], double stop, Fault *fault) {
     if (pin_is_reachable(groove, stop)) return true;
     const double end = last_reachable(groove, stop);
-    return fabs(stop - end) <= GROOVE_END_SLACK * (1.0 + fabs(stop)) || refuse_end(groove, p, end, stop, fault);
+    return fabs(stop - end) <= GROOVE_END_SLACK * (1.0 + fabs(stop)) || refuse_end(groove, end, stop, fault);
 }
 
 /* The grooves meet at theta = 0, so they meet everywhere between 0 and an angle where they meet. */
 bool groove_pair_check_ends(const Groove groove[2], const Params *p, Fault *fault) {
     const double lower = p->stop.lower, upper = p->stop.upper;
-    if (upper > 0.0 && !check_end(groove, p, upper, fault)) return false;
-    return !(lower < 0.0) || check_end(groove, p, lower, fault);
+    if (upper > 0.0 && !check_end(groove, upper, fault)) return false;
+    return !(lower < 0.0) || check_end(groove, lower, fault);
 }
 
-bool groove_pair_refuse_level(const Params *p, double theta, double z, Fault *fault) {
-    const ParameterText first = parameter_text(p, 0), second = parameter_text(p, 1);
+bool groove_pair_refuse_level(const Groove groove[2], double theta, double z, Fault *fault) {
+    const ParameterText first = parameter_text(&groove[0], 0), second = parameter_text(&groove[1], 1);
     snprintf(fault->text, sizeof fault->text,
              "%s and %s: both grooves are level at theta = %.10g rad, z = %.10g m: between the stops at "
              "least one slope must be > 0, or nothing fixes the pin",

@@ -12,6 +12,6 @@
 bool groove_pair_check_ends(const Groove groove[2], const Params *params, Fault *fault);
 
 /* Writes into `fault` that both grooves are level at theta and z; returns false. */
-bool groove_pair_refuse_level(const Params *params, double theta, double z, Fault *fault);
+bool groove_pair_refuse_level(const Groove groove[2], double theta, double z, Fault *fault);
 
 #endif

@@ -19,7 +19,8 @@ static bool is_same_groove(const Transmission *transmission, const Params *p, in
     const char *path = transmission->groove[i].path;
     return a->profile == b->profile && a->radius == b->radius && a->lead_angle == b->lead_angle &&
            a->ellipse_a == b->ellipse_a && a->ellipse_b == b->ellipse_b &&
-           a->ellipse_curvature == b->ellipse_curvature && (path == NULL || strcmp(path, p->table[i]) == 0);
+           a->ellipse_curvature == b->ellipse_curvature && a->cycloid_rise == b->cycloid_rise &&
+           a->cycloid_angle == b->cycloid_angle && (path == NULL || strcmp(path, p->table[i]) == 0);
 }
 
 bool transmission_is_of(const Transmission *transmission, const Params *p) {

@@ -289,7 +289,7 @@ static bool fit_between(Fit *fit, Breakpoint lower, Breakpoint upper) {
     TransmissionPiece piece = piece_between(lower, upper);
     const PieceQuality quality = fit_piece(fit, &piece);
     if (quality == PIECE_UNDETERMINED)
-        return groove_pair_refuse_level(fit->params, fit->latest_theta, fit->latest.z, fit->fault);
+        return groove_pair_refuse_level(fit->transmission->groove, fit->latest_theta, fit->latest.z, fit->fault);
     if (quality == PIECE_ACCURATE || upper.theta - lower.theta <= fit->narrowest) return append(fit, &piece);
     const Breakpoint middle = {piece.middle, false};
     return fit_between(fit, lower, middle) && fit_between(fit, middle, upper);
@@ -326,9 +326,10 @@ static bool fit_pieces(Transmission *transmission, const Params *p, Fault *fault
 /* ---- the transmission ---- */
 
 /* Two helices: gamma, phi and z are linear in theta. */
-static bool build_straight(Transmission *transmission, const Params *p, Fault *fault) {
+static bool build_straight(Transmission *transmission, Fault *fault) {
     const double slope[2] = {transmission->groove[0].gain, transmission->groove[1].gain};
-    if (!(slope[0] + slope[1] > 0.0)) return groove_pair_refuse_level(p, transmission->lower, 0.0, fault);
+    if (!(slope[0] + slope[1] > 0.0))
+        return groove_pair_refuse_level(transmission->groove, transmission->lower, 0.0, fault);
     transmission->piece = malloc(sizeof *transmission->piece);
     if (!transmission->piece) {
         snprintf(fault->text, sizeof fault->text, "not enough memory: %zu bytes must be available",
@@ -357,7 +358,7 @@ static bool build(Transmission *transmission, const Params *p, const char *resou
     if (!check_stops(p->stop.lower, p->stop.upper, fault)) return false;
     for (int i = 0; i < 2; i++)
         if (!groove_build(&transmission->groove[i], p, i + 1, resources, fault)) return false;
-    if (transmission->straight) return build_straight(transmission, p, fault);
+    if (transmission->straight) return build_straight(transmission, fault);
     return groove_pair_check_ends(transmission->groove, p, fault) && fit_pieces(transmission, p, fault);
 }
 

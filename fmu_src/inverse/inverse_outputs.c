@@ -60,6 +60,7 @@ static void set_friction(const Inverse *m, const Geometry *g, double omega, Inve
         out->friction_power[i] =
             g->friction[i] * fabs(out->reaction[i]) * m->params.contacts * fabs(omega) * cam_sliding(g, i);
     }
+    out->total_friction_power = out->friction_power[0] + out->friction_power[1];
 }
 
 bool inverse_torque_outputs(const Inverse *m, InverseTorqueOutputs *out, Fault *fault) {

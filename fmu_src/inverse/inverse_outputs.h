@@ -32,6 +32,7 @@ typedef struct {
     double reaction[2];             /* N, per pin end; positive on the flank that supports F > 0 */
     double friction_coefficient[2]; /* in effect; at rest the static coefficient */
     double friction_power[2];       /* W, total of all pin ends */
+    double total_friction_power;    /* W */
 } InverseTorqueOutputs;
 
 /* All in J. */

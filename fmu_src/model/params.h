@@ -13,7 +13,7 @@
 #include "model/inputs.h"
 #include "numerics/sum.h"
 
-enum { PROFILE_HELIX = 1, PROFILE_ELLIPSE = 2, PROFILE_TABLE = 3 };
+enum { PROFILE_HELIX = 1, PROFILE_ELLIPSE = 2, PROFILE_TABLE = 3, PROFILE_CYCLOID = 4 };
 enum { TABLE_PATH_SIZE = 1024 }; /* bytes, terminating zero included */
 
 typedef struct FrictionTable FrictionTable;
@@ -31,11 +31,13 @@ typedef struct {
 } FrictionParams;
 
 typedef struct {
-    double radius;     /* m, > 0 */
-    double lead_angle; /* rad, in [0, pi/2) */
-    double ellipse_a;  /* m */
-    double ellipse_b;  /* m */
-    double friction;   /* kinetic coefficient mu_k; with Coulomb's law the only one */
+    double radius;        /* m, > 0 */
+    double lead_angle;    /* rad, in [0, pi/2) */
+    double ellipse_a;     /* m */
+    double ellipse_b;     /* m */
+    double cycloid_rise;  /* m, H */
+    double cycloid_angle; /* rad, B */
+    double friction;      /* kinetic coefficient mu_k; with Coulomb's law the only one */
     FrictionParams law;
     double wear; /* m^3/(N.m), specific wear rate K */
     int profile; /* PROFILE_* */

@@ -79,6 +79,7 @@ void mechanism_loads(const Mechanism *m, LoadOutputs *out) {
     for (int i = 0; i < 2; i++)
         out->friction_power[i] =
             out->friction_coefficient[i] * fabs(out->reaction[i]) * m->params.contacts * out->sliding_speed[i];
+    out->total_friction_power = out->friction_power[0] + out->friction_power[1];
 }
 
 /* ---- accounts ---- */

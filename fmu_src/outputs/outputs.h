@@ -24,6 +24,7 @@ typedef struct {
     double sliding_speed[2];        /* m/s */
     double friction_coefficient[2]; /* in effect; at rest the static coefficient */
     double friction_power[2];       /* W, total of all pin ends */
+    double total_friction_power;    /* W */
     double torque_load;             /* N.m, upper edge of the stick band; +inf: jammed */
     double torque_release;          /* N.m, lower edge of the stick band; -inf: wedged */
     double efficiency;              /* torque_release / torque_load */
