@@ -38,14 +38,6 @@ static bool is_found(const Bracket *bracket, double t, double next) {
            (bracket->closed && bracket->right - bracket->left <= LOCATION_ROUNDING * bracket->right);
 }
 
-/* The length at which the crossing is sought first. Close to the start the step's polynomial says less than constant
- * acceleration does. */
-static double first_length(const SegmentLimits *limits, StepIndicator indicator, double x, const RadauStep *whole) {
-    if (!(x < LOCATION_BALLISTIC && indicator == STEP_TO_STOP)) return x * whole->h;
-    const int sign = limits->slip->direction;
-    return min_of(ballistic_time(sign * whole->start.omega, sign * whole->start.alpha, limits->to_stop), whole->h);
-}
-
 /* A step to a breakpoint may end within half the overshoot of the limit, on either side. */
 static bool is_reached(const SegmentLimits *limits, StepIndicator indicator, double f) {
     return f == 0.0 || (indicator == STEP_BREAKPOINT && fabs(f) <= 0.5 * limits->breakpoint.overshoot);
@@ -71,7 +63,7 @@ static CrossingResult end_on_crossing(const SegmentLimits *limits, StepIndicator
     const double allowance = step_indicator_allowance(limits, indicator, &whole);
     Bracket bracket = {0.0, whole.h, step_indicator_at_end(limits, indicator, &whole) + allowance < 0.0};
     bool blocked = false;
-    double t = first_length(limits, indicator, x, &whole);
+    double t = x * whole.h;
     for (int n = 0; n < LOCATION_ITERATIONS && !work_is_spent(slip.work); n++) {
         t = max_of(t, DBL_MIN);
         if (!radau_step_solve(&slip, &whole.start, t, stages, step)) {
@@ -202,33 +194,6 @@ static bool end_on_first_event(const SegmentLimits *limits, const StopAhead *sto
     return true;
 }
 
-/* Does friction act on each contact that has a friction coefficient, by more than rounding? */
-static bool friction_acts(const SlipMode *slip, const Balance *b) {
-    const int firm = balance_firm_contacts(slip, b);
-    return ((firm & 1) || b->friction[0] == 0.0) && ((firm & 2) || b->friction[1] == 0.0);
-}
-
-/* A contact without load, as on a dwell, can jam where the next piece of the transmission begins. The mechanism then
- * stays where it jams, so the angle needs all digits there: the step ends on the breakpoint, to rounding. */
-static void end_on_breakpoint(const SegmentLimits *limits, EventLocation *location) {
-    const SlipMode *slip = limits->slip;
-    const RadauStep landed = location->step;
-    const bool at_breakpoint = location->at_breakpoint || location->aimed_at_breakpoint;
-    if (!at_breakpoint || location->kind != EVENT_NONE || slip->regime != REGIME_INERTIAL) return;
-    if (friction_acts(slip, radau_step_end(&landed))) return;
-    for (int n = 0; n < LOCATION_TO_BREAKPOINT; n++) {
-        const RadauStep *step = &location->step;
-        const double beyond = slip->direction * step->dtheta - limits->breakpoint.distance;
-        const double h = step->h - beyond / (slip->direction * radau_step_end(step)->omega);
-        if (n == 0 && !(beyond > 0.0 && beyond <= 2.0 * limits->breakpoint.overshoot)) return;
-        if (!(h > 0.0 && h < landed.h) ||
-            !radau_step_solve(slip, &landed.start, h, landed.method->stages, &location->step)) {
-            location->step = landed;
-            return;
-        }
-    }
-}
-
 /* A step to a breakpoint, or to a sample of a friction table, says little about the length of the next step: the
  * earlier proposal stays. */
 static void propose_next(const StepProposal *first, double to_breakpoint, EventLocation *location) {
@@ -239,31 +204,19 @@ static void propose_next(const StepProposal *first, double to_breakpoint, EventL
         location->next = (StepProposal){max_of(location->next.h, first->h), first->stages};
 }
 
-/* s: where a deviation of the speed grows and the contacts carry next to no load, the deviation is as small as
- * rounding. A long step would damp such a deviation, and follow the unstable balance. */
-static double departure_time(const SegmentLimits *limits, const Balance *start) {
-    const SlipMode *slip = limits->slip;
-    if (slip->regime != REGIME_INERTIAL || !limits->has_friction || !(start->rhs.by_omega > 0.0)) return INFINITY;
-    if (balance_firm_contacts(slip, start) != 0) return INFINITY;
-    return LOCATION_DEPARTURE / start->rhs.by_omega;
-}
-
 bool event_location_find(const SlipMode *slip, const Balance *start, const StopAhead *stop, double left,
                          const StepProposal *first, EventLocation *location) {
     const SegmentLimits limits = segment_limits_of(slip, start, stop->angle);
     const double to_breakpoint = breakpoint_time(slip, start, &limits.breakpoint);
-    const double shortest = LOCATION_SHORTEST * left, most = min_of(left, departure_time(&limits, start));
+    const double shortest = LOCATION_SHORTEST * left;
     double length = first->h < INFINITY ? first->h : step_control_first_length(slip, start), solved = 0.0;
     do { /* at most 15 turns: the length falls to LOCATION_SHORTEST */
-        const double longest = min_of(min_of(most, length), to_breakpoint);
+        const double longest = min_of(min_of(left, length), to_breakpoint);
         if (!step_control_solve(slip, start, longest, first, &location->step)) return false;
         location->kind = EVENT_NONE;
         location->at_breakpoint = false;
         propose_next(first, to_breakpoint, location);
-        if (end_on_first_event(&limits, stop, location, &solved)) {
-            end_on_breakpoint(&limits, location);
-            return true;
-        }
+        if (end_on_first_event(&limits, stop, location, &solved)) return true;
         length = LOCATION_SHORTENING * solved;
     } while (length > shortest && !work_is_spent(slip->work));
     return false;

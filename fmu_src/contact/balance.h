@@ -107,13 +107,10 @@ static inline bool balance_is_firm(const SlipMode *slip, int i, double x, double
     return slip->flank[i] * x > FLANK_CLEARANCE * fabs(axial) * load;
 }
 
-enum { FIRM_BOTH = 3 };
-
-/* The contacts that are on their flanks by more than rounding: bit i for contact i. */
-static inline int balance_firm_contacts(const SlipMode *slip, const Balance *b) {
+/* Are both contacts on their flanks by more than rounding? */
+static inline bool balance_are_firm(const SlipMode *slip, const Balance *b) {
     const double load = balance_load_size(slip->params, b->force, b->damper, b->dz_dtheta * b->alpha);
-    return (balance_is_firm(slip, 0, b->x[0], b->axial[0], load) ? 1 : 0) |
-           (balance_is_firm(slip, 1, b->x[1], b->axial[1], load) ? 2 : 0);
+    return balance_is_firm(slip, 0, b->x[0], b->axial[0], load) && balance_is_firm(slip, 1, b->x[1], b->axial[1], load);
 }
 
 #endif

@@ -179,7 +179,7 @@ bool collocation_slip_quiet(const Mechanism *m, double h, LobattoHint *hint, Seg
  * no more than rounding, the rate of its reaction decides, which needs a decision. */
 static bool goes_on(const Mechanism *m, const SlipMode *slip, const Balance *start) {
     if (!start->rhs.possible || !(slip->direction * start->omega > 0.0)) return false;
-    if (has_friction(&m->params) && balance_firm_contacts(slip, start) != FIRM_BOTH) return false;
+    if (has_friction(&m->params) && !balance_are_firm(slip, start)) return false;
     if (slip->regime == REGIME_INERTIAL) return true;
     return slip->regime == REGIME_VISCOUS && is_driven(m, slip);
 }

@@ -16,6 +16,7 @@
 typedef struct {
     double v, R; /* m/s, N; R = 0 where the file has no loads */
     double mu, log_mu;
+    size_t line;
 } FrictionSample;
 
 typedef struct {
@@ -26,68 +27,67 @@ typedef struct {
 
 /* ---- the file ---- */
 
-static bool check_mu(const CsvFile *csv, double mu) {
-    return (mu > 0.0 && mu <= FRICTION_MAX) ||
+static bool check_mu(const CsvFile *csv, const FrictionSample *sample) {
+    return (sample->mu > 0.0 && sample->mu <= FRICTION_MAX) ||
            csv_refuse(csv,
                       "line %zu: mu = %s must be > 0 and <= %g; without friction leave out the table and set the "
                       "friction to 0",
-                      csv->line, shortest_decimal(mu).text, FRICTION_MAX);
+                      sample->line, shortest_decimal(sample->mu).text, FRICTION_MAX);
 }
 
-/* Begins the samples of another load. */
-static bool begin_load(const CsvFile *csv, FrictionSamples *s) {
-    const FrictionSample *sample = &s->sample[s->count];
-    if (s->count == 0 && sample->v != 0.0)
-        return csv_refuse(csv,
-                          "line %zu: v_m_s = %s must be 0 in the first line of numbers, which holds the static "
-                          "coefficient",
-                          csv->line, shortest_decimal(sample->v).text);
-    const double before = s->count > 0 ? sample[-1].R : 0.0;
-    if (sample->R < before || (s->count > 0 && sample->R == before))
-        return csv_refuse(csv, "line %zu: R_N = %s must be > %s, the load before", csv->line,
-                          shortest_decimal(sample->R).text, shortest_decimal(before).text);
-    if (s->loads == FRICTION_LOADS_MAX)
-        return csv_refuse(csv, "line %zu: too many loads, at most %d are allowed", csv->line, FRICTION_LOADS_MAX);
-    s->loads++;
-    return true;
+/* The first sample of a load. */
+static bool check_load(const CsvFile *csv, const FrictionSamples *s, size_t n) {
+    const FrictionSample *sample = &s->sample[n];
+    if (n == 0)
+        return sample->v == 0.0 || csv_refuse(csv,
+                                              "line %zu: v_m_s = %s must be 0 in the first line of numbers, which "
+                                              "holds the static coefficient",
+                                              sample->line, shortest_decimal(sample->v).text);
+    if (sample->v != 0.0)
+        return csv_refuse(csv, "line %zu: each load must have the %zu speeds of the first load", sample->line,
+                          s->speeds);
+    return sample->R > sample[-1].R ||
+           csv_refuse(csv, "line %zu: R_N = %s must be > %s, the load before", sample->line,
+                      shortest_decimal(sample->R).text, shortest_decimal(sample[-1].R).text);
 }
 
-/* Is the sample the next one of its load? The first load sets the speeds. */
-static bool check_speed(const CsvFile *csv, const FrictionSamples *s) {
-    const FrictionSample *sample = &s->sample[s->count];
+/* A later sample of a load. The first load sets the speeds. */
+static bool check_speed(const CsvFile *csv, const FrictionSamples *s, size_t n) {
+    const FrictionSample *sample = &s->sample[n];
+    const double same = s->sample[n % s->speeds].v;
     if (sample->R != sample[-1].R)
         return csv_refuse(csv, "line %zu: R_N = %s must be %s: a load begins with v_m_s = 0 and has all speeds",
-                          csv->line, shortest_decimal(sample->R).text, shortest_decimal(sample[-1].R).text);
+                          sample->line, shortest_decimal(sample->R).text, shortest_decimal(sample[-1].R).text);
     if (!(sample->v > sample[-1].v))
-        return csv_refuse(csv, "line %zu: v_m_s = %s must be > %s, that of the line before", csv->line,
+        return csv_refuse(csv, "line %zu: v_m_s = %s must be > %s, that of the line before", sample->line,
                           shortest_decimal(sample->v).text, shortest_decimal(sample[-1].v).text);
-    const double same = s->loads > 1 ? s->sample[s->count % s->speeds].v : sample->v;
     return sample->v == same ||
-           csv_refuse(csv, "line %zu: v_m_s = %s must be %s, the speed that the first load has there", csv->line,
+           csv_refuse(csv, "line %zu: v_m_s = %s must be %s, the speed that the first load has there", sample->line,
                       shortest_decimal(sample->v).text, shortest_decimal(same).text);
 }
 
-static bool add_sample(const CsvFile *csv, FrictionSamples *s) {
-    const bool begins = s->count == 0 || (s->sample[s->count].R > 0.0 && s->sample[s->count].v == 0.0);
-    if (begins && s->loads == 1 && s->count < FRICTION_SAMPLES_MIN)
+/* Finds the speeds of the first load, and the number of loads. */
+static bool find_grid(const CsvFile *csv, FrictionSamples *s, bool with_loads) {
+    s->speeds = with_loads && s->count > 0 ? 1 : s->count;
+    while (s->speeds < s->count && s->sample[s->speeds].v != 0.0) s->speeds++; /* at most one turn per sample */
+    if (s->speeds < s->count && s->speeds < FRICTION_SAMPLES_MIN)
         return csv_refuse(csv, "line %zu: R_N = %s must be %s: a load has all its speeds, at least %d, in turn",
-                          csv->line, shortest_decimal(s->sample[s->count].R).text,
+                          s->sample[s->speeds].line, shortest_decimal(s->sample[s->speeds].R).text,
                           shortest_decimal(s->sample[0].R).text, FRICTION_SAMPLES_MIN);
-    if (begins && s->loads == 1) s->speeds = s->count;
-    const bool whole = s->loads == 0 || s->speeds == 0 || s->count % s->speeds == 0;
-    if (s->loads > 0 && s->speeds > 0 && begins != whole)
-        return csv_refuse(csv, "line %zu: each load must have the %zu speeds of the first load", csv->line, s->speeds);
-    if (!(begins ? begin_load(csv, s) : check_speed(csv, s)) || !check_mu(csv, s->sample[s->count].mu)) return false;
-    s->count++;
-    return true;
-}
-
-static bool check_whole(const CsvFile *csv, FrictionSamples *s, bool with_loads) {
-    if (s->loads <= 1) s->speeds = s->count;
     if (s->speeds < FRICTION_SAMPLES_MIN)
         return csv_refuse(csv, "%zu points, but there must be at least %d", s->speeds, FRICTION_SAMPLES_MIN);
+    s->loads = (s->count + s->speeds - 1) / s->speeds;
     if (with_loads && s->loads < 2)
         return csv_refuse(csv, "one load, but there must be at least 2; for one, leave out the column R_N");
+    return s->loads <= FRICTION_LOADS_MAX ||
+           csv_refuse(csv, "%zu loads: at most %d are allowed", s->loads, FRICTION_LOADS_MAX);
+}
+
+static bool check_samples(const CsvFile *csv, FrictionSamples *s, bool with_loads) {
+    if (!find_grid(csv, s, with_loads)) return false;
+    for (size_t n = 0; n < s->count; n++)
+        if (!(n % s->speeds == 0 ? check_load(csv, s, n) : check_speed(csv, s, n)) || !check_mu(csv, &s->sample[n]))
+            return false;
     return s->count == s->speeds * s->loads ||
            csv_refuse(csv, "%zu points, but there must be %zu: each load must have the %zu speeds of the first load",
                       s->count, s->speeds * s->loads, s->speeds);
@@ -99,8 +99,7 @@ static bool read_samples(CsvFile *csv, FrictionSamples *s) {
                                        "three finite numbers \"v_m_s,R_N,mu\", like \"0.01,100,0.12\""};
     const int with_loads = csv_header(csv, header, 2);
     if (with_loads < 0) return false;
-    s->count = s->speeds = s->loads = 0;
-    while (!csv_at_end(csv)) { /* at most one turn per character of the file */
+    for (s->count = 0; !csv_at_end(csv); s->count++) { /* at most FRICTION_SAMPLES_MAX turns */
         double value[3];
         if (s->count == FRICTION_SAMPLES_MAX)
             return csv_refuse(csv, "the table is too long: at most %d points are allowed", FRICTION_SAMPLES_MAX);
@@ -108,10 +107,9 @@ static bool read_samples(CsvFile *csv, FrictionSamples *s) {
         const double mu = value[1 + with_loads], R = with_loads ? value[1] : 0.0;
         if (with_loads && !(R > 0.0))
             return csv_refuse(csv, "line %zu: R_N = %s must be > 0", csv->line, shortest_decimal(R).text);
-        s->sample[s->count] = (FrictionSample){value[0], R, mu, elementary_log(mu)};
-        if (!add_sample(csv, s)) return false;
+        s->sample[s->count] = (FrictionSample){value[0], R, mu, elementary_log(mu), csv->line};
     }
-    return check_whole(csv, s, with_loads != 0);
+    return check_samples(csv, s, with_loads != 0);
 }
 
 /* ---- the curve over the speed ---- */

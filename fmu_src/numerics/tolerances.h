@@ -284,9 +284,6 @@ static const double CROSSING_COEFFICIENT = 1e-14;
 /* Share of the step's length below which a change of the length is rounding. */
 static const double LOCATION_ROUNDING = 4.0 * DBL_EPSILON;
 
-/* Share of the step before which the time to the stop follows from constant acceleration. */
-static const double LOCATION_BALLISTIC = 1e-3;
-
 /* At a stop: kinetic energy over the energy gained by errors up to which the errors alone have reached the stop. */
 static const double LOCATION_STOP_GAIN = 2.0;
 
@@ -302,10 +299,6 @@ enum { LOCATION_EXTENSIONS = 11 };
  * */
 static const double LOCATION_SHORTENING = 0.125, LOCATION_SHORTEST = 1e-13;
 static const double LOCATION_STIFF = 10.0, LOCATION_APPROACH = 0.75;
-static const double LOCATION_DEPARTURE = 2.0; /* exponent by which a deviation that is rounding may grow in a step */
-
-/* Newton steps from within the overshoot to the breakpoint: the second is rounding. */
-enum { LOCATION_TO_BREAKPOINT = 2 };
 
 /* Lobatto step */
 /* Share of what the tolerance allows that the next sweep may change where the change is added: its own error is a tenth

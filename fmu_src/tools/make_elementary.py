@@ -109,9 +109,22 @@ def constant(name: str, x: Number) -> str:
     return f"static const double {name} = {text(x)};\n"
 
 
+def wrapped(entries: Iterable[str], indent: int) -> str:
+    """As many entries a line as fit into 120 columns."""
+    found = [" " * indent]
+    for entry in entries:
+        if len(found[-1]) + len(entry) > 118:
+            found.append(" " * indent)
+        found[-1] += f"{entry}, "
+    return "".join(f"{line.rstrip()}\n" for line in found)
+
+
 def lines(numbers: Sequence[Number], indent: int) -> str:
-    rows = (", ".join(map(text, numbers[k : k + 4])) for k in range(0, len(numbers), 4))
-    return "".join(f"{' ' * indent}{row},\n" for row in rows)
+    return wrapped(map(text, numbers), indent)
+
+
+def pairs(entries_of: Iterable[Sequence[Number]]) -> str:
+    return wrapped((f"{{{', '.join(map(text, entry))}}}" for entry in entries_of), 4)
 
 
 def constants(name: str, numbers: Sequence[Number]) -> str:
@@ -119,9 +132,9 @@ def constants(name: str, numbers: Sequence[Number]) -> str:
 
 
 def rows(kind: str, name: str, fields: str, entries_of: Iterable[Sequence[Number]]) -> str:
-    entries = [f"    {{{', '.join(map(text, entry))}}},\n" for entry in entries_of]
+    entries = list(entries_of)
     struct = f"typedef struct {{\n    double {fields};\n}} {kind};\n\n"
-    return f"{struct}static const {kind} {name}[{len(entries)}] = {{\n{''.join(entries)}}};\n"
+    return f"{struct}static const {kind} {name}[{len(entries)}] = {{\n{pairs(entries)}}};\n"
 
 
 def exponential() -> str:
@@ -279,7 +292,7 @@ def trigonometric() -> str:
     of_sine = series(sine, 5, zero, quarter, lambda z: z)
     of_cosine = series(cosine, 5, zero, quarter, lambda z: z * z)
     words = two_by_pi(37)
-    lines = [", ".join(f"0x{word:08x}" for word in words[k : k + 8]) for k in range(0, len(words), 8)]
+    digits = wrapped((f"0x{word:08x}" for word in words), 4)
     first, second, third, fourth = parts(MP.pi / 2, 33, 33, 33)
     return "\n".join(
         [
@@ -292,10 +305,10 @@ def trigonometric() -> str:
             "/* (sin(x) - x)/x^3 and (cos(x) - 1 + x^2/2)/x^4 as polynomials in x^2, side by side */",
             "typedef double Pair __attribute__((vector_size(16)));\n",
             f"static const Pair SIN_COS_SERIES[{len(of_sine)}] = {{\n"
-            + "".join(f"    {{{text(s)}, {text(c)}}},\n" for s, c in zip(of_sine, of_cosine, strict=True))
+            + pairs(zip(of_sine, of_cosine, strict=True))
             + "};\n",
             "/* The binary digits of 2/pi, 32 in a word */",
-            f"static const uint32_t TWO_BY_PI[{len(words)}] = {{\n    " + ",\n    ".join(lines) + ",\n};\n",
+            f"static const uint32_t TWO_BY_PI[{len(words)}] = {{\n{digits}}};\n",
         ]
     )
 
