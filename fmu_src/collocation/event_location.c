@@ -148,19 +148,6 @@ static bool must_step_past(const SegmentLimits *limits, StepIndicator indicator)
     return step_indicator_is_flank(indicator) || (indicator == STEP_SPEED && limits->slip->regime != REGIME_INERTIAL);
 }
 
-/* In a stiff step the loads on the contacts are those of the acceleration, and an error of the speed changes the
- * acceleration by the damping over the inertia: a crossing of a load then shifts in time by far more than the speed
- * errs. In a step that is not stiff the speed has the digits. So a stiff step ends before the change of flanks. */
-static void approach_flank(const SegmentLimits *limits, EventLocation *location) {
-    const RadauStep landed = location->step;
-    if (limits->slip->regime != REGIME_INERTIAL || location->kind != EVENT_FLANK) return;
-    if (!(landed.h * fabs(radau_step_end(&landed)->rhs.by_omega) > LOCATION_STIFF)) return;
-    const double h = LOCATION_APPROACH * landed.h;
-    if (radau_step_solve(limits->slip, &landed.start, h, landed.method->stages, &location->step))
-        location->kind = EVENT_NONE;
-    else location->step = landed;
-}
-
 /* Ends the step on the first event in it, if there is one. An event found on the polynomial may prove to be later than
  * another one, so the indicators of the shortened step are searched again. False if what happens in the step shows in
  * a shorter step only. *solved: the length up to which the step has a solution, s. */
@@ -190,7 +177,6 @@ static bool end_on_first_event(const SegmentLimits *limits, const StopAhead *sto
         }
         ignored |= 1u << first;
     }
-    approach_flank(limits, location);
     return true;
 }
 

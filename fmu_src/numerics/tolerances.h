@@ -295,10 +295,8 @@ static const double LOCATION_FIRST_EXTENSION = 8.0 * DBL_EPSILON;
 enum { LOCATION_EXTENSIONS = 11 };
 
 /* An event that shows in shorter steps only: the factor on the length, and the shortest length as a share of the time
- * left. h |dalpha/domega| above which a step is stiff, and the share of the way to a change of flanks at which it ends.
- * */
+ * left. */
 static const double LOCATION_SHORTENING = 0.125, LOCATION_SHORTEST = 1e-13;
-static const double LOCATION_STIFF = 10.0, LOCATION_APPROACH = 0.75;
 
 /* Lobatto step */
 /* Share of what the tolerance allows that the next sweep may change where the change is added: its own error is a tenth

@@ -171,8 +171,9 @@ class Mechanism:
                 return z, a1, b1, a2, b2
             inside = min(max(gamma + step, min(theta, 0.0)), max(theta, 0.0))
             gamma = inside if abs(inside - gamma) > 0 else self._bisected(theta)
-        self._gamma = gamma
-        return z, a1, b1, a2, b2
+        gamma = self._gamma = self._bisected(theta)
+        z, a1, b1 = first(gamma, 0)
+        return z, a1, b1, *second(theta - gamma, 0)[1:]
 
     def _bisected(self, theta: float) -> float:
         first, second = (groove.derivatives for groove in self.grooves)
