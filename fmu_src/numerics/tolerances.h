@@ -316,22 +316,6 @@ static const double LOBATTO_AIM_SHARE = 1e-8, LOBATTO_DECAY = 0.3;
  * tolerance^8, after which a step is not swept again. */
 static const double LOBATTO_PEAK_SHARE = 10.0, LOBATTO_FAR_OFF = 4.0;
 
-/* Variation of a step */
-
-/* Mobility at the last node over that at the node before, above which the last node is a pole. */
-static const double VARIATION_POLE = 1e3;
-
-/* Share of the variation by which one step and two half steps may differ. */
-static const double VARIATION_TOLERANCE = 1e-9;
-
-/* Share of the time from the start and to the end of the step below which only rounding can differ. */
-static const double VARIATION_SHORT = 0.25;
-
-/* Shortest part, as a share of the step. */
-static const double VARIATION_SHORTEST = 1e-4;
-
-enum { VARIATION_TRIALS = 300 }; /* parts tried in one step */
-
 /* ---- forward ---- */
 
 /* Torque and load at rest, and along the edge of the stick band, are known to a few roundings, in curved grooves to the
