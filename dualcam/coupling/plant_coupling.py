@@ -72,15 +72,12 @@ class CoupledStep:
 
     Attributes
     ----------
-    torque : float
+    torque
         Torque on the shaft [N.m]: of an implicit step that of the whole step, of an explicit step that at its
         beginning.
-    motion : ShaftMotion
-        Motion at the end of the step.
-    fmu_steps : int
-        Steps that the FMU made, those that were taken back included.
-    stability : LoopStability or None
-        Of an explicit step in which the cam slid throughout, else None.
+    motion : Motion at the end of the step.
+    fmu_steps : Steps that the FMU made, those that were taken back included.
+    stability : Of an explicit step in which the cam slid throughout, else None.
     """
 
     torque: float
@@ -94,17 +91,15 @@ class PlantCoupling:
 
     Parameters
     ----------
-    fmu : Fmu
-        The forward FMU, started.
-    plant : function of ShaftMotion
+    fmu : The forward FMU, started.
+    plant
         Torque of the plant on the shaft [N.m]. All that depends on the motion at once belongs inside, also a
         controller's voltage. The function is called several times per step, so the function must not change
         the plant's own states. Change those after the step, from the step's result.
 
     Raises
     ------
-    CouplingError
-        `fmu` is not the forward FMU, whose input is the torque.
+    CouplingError : `fmu` is not the forward FMU, whose input is the torque.
 
     Notes
     -----
@@ -148,18 +143,10 @@ class PlantCoupling:
     def step_explicit(self, size: float, order: int = 0) -> CoupledStep:
         """One step with the plant's torque from the motion at the beginning of the step.
 
-        Parameters
-        ----------
-        size : float
-            Communication step [s].
-        order : int
-            0: the torque is held. 1, 2: the torque is a straight line, a parabola, through the plant's
-            torques at the motion that the FMU's derivatives predict. The error of theta is of order `order` +
-            1 in the step where the motion is smooth.
-
-        Returns
-        -------
-        CoupledStep
+        `size`: communication step [s]. `order`: 0: the torque is held. 1, 2: the torque is a straight line, a
+        parabola, through the plant's torques at the motion that the FMU's derivatives predict. The error of
+        theta is of order `order` + 1 in the step where the motion is smooth. CouplingError: if the plant
+        returns no finite number, or changes when it is called, or if `size` or `order` is not allowed.
 
         Warns
         -----
@@ -167,12 +154,6 @@ class PlantCoupling:
             Once per object, where the loop is unstable with this step, or where feedback that is computed
             outside the plant makes the torque go up and down without decay. The text has the numbers, and
             what works.
-
-        Raises
-        ------
-        CouplingError
-            If the plant returns no finite number, or changes when it is called, or if `size` or `order` is
-            not allowed.
         """
         size = check_positive("size", size, "s")
         check_order(order)
@@ -194,9 +175,8 @@ class PlantCoupling:
 
         Parameters
         ----------
-        size : float
-            Communication step [s].
-        end_weight : float
+        size : Communication step [s].
+        end_weight
             The plant gets the angle and the speed of the beginning of the step times 1 - end_weight plus
             those of the end times end_weight, and the mean acceleration. 0.5: the mean, an error of second
             order. 1: the end, an error of first order, but a stiff damper does not ring. Allowed is 0.5 to 1.
@@ -332,27 +312,15 @@ class PlantCoupling:
 
 
 def step_difference(run: Callable[[float], ArrayLike], step: float) -> float:
-    """How much a run changes if its step is ten times shorter.
+    """The largest difference between a run and one of ten times shorter steps, in the unit of what `run`
+    returns.
 
-    Parameters
-    ----------
-    run : function of float
-        Makes the whole run from its start with that step [s]. Returns what is compared, such as the angle: at
-        the end, at instants that do not depend on the step, or after each step (or at the start and after
-        each step), along the first axis.
-    step : float
-        Communication step [s].
+    An error of first order in the step is 10/9 of this difference.
 
-    Returns
-    -------
-    float
-        Largest difference, in the unit of what `run` returns. An error of first order in the step is 10/9 of
-        this difference.
-
-    Raises
-    ------
-    CouplingError
-        `step` is not allowed, or what the runs return is not finite or does not fit together.
+    `run`: makes the whole run from its start with that step [s]. Returns what is compared, such as the angle:
+    at the end, at instants that do not depend on the step, or after each step (or at the start and after each
+    step), along the first axis. `step`: communication step [s]. CouplingError: `step` is not allowed, or what
+    the runs return is not finite or does not fit together.
 
     Examples
     --------

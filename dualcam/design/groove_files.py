@@ -34,14 +34,10 @@ class GrooveFile:
 
     Attributes
     ----------
-    psi, z : ndarray, shape (n,)
-        Angle of the pin along the groove [rad], and height [m].
-    units : tuple of str
-        Units in the file, such as ("deg", "mm").
-    notes : tuple of str
-        What was guessed, in words.
-    is_fmu_format : bool
-        Whether the FMU can read the file as it is.
+    psi, z : Angle of the pin along the groove [rad], and height [m], shape (n,).
+    units : Units in the file, such as ("deg", "mm").
+    notes : What was guessed, in words.
+    is_fmu_format : Whether the FMU can read the file as it is.
     """
 
     psi: Array

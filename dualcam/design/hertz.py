@@ -36,21 +36,15 @@ class Pin:
 
     Parameters
     ----------
-    radius : float
-        Radius of the pin [m], > 0.
-    width : float
-        Width of the flank along the pin [m], > 0.
-    modulus, cam_modulus : float
-        Young's moduli of pin and cam [Pa], > 0.
-    poisson, cam_poisson : float
-        Poisson's ratios of pin and cam [1], 0 to 0.5.
-    wear : float
-        Specific wear rate of the pin [m3/(N.m)], 0 to 1; 0: the pin does not wear.
+    radius : Radius of the pin [m], > 0.
+    width : Width of the flank along the pin [m], > 0.
+    modulus, cam_modulus : Young's moduli of pin and cam [Pa], > 0.
+    poisson, cam_poisson : Poisson's ratios of pin and cam [1], 0 to 0.5.
+    wear : Specific wear rate of the pin [m3/(N.m)], 0 to 1; 0: the pin does not wear.
 
     Raises
     ------
-    DesignError
-        A value outside its range.
+    DesignError : A value outside its range.
 
     Examples
     --------
@@ -88,21 +82,11 @@ class Pin:
 
 
 def hertz_pressure(load: ArrayLike, pin: Pin, curvature: ArrayLike = 0.0) -> Array:
-    """Largest pressure of the line contact between pin and flank, by Hertz.
+    """Largest pressure [Pa] of the line contact between pin and flank, by Hertz; infinite where the flank is
+    undercut.
 
-    Parameters
-    ----------
-    load : array_like
-        Normal force of one contact [N].
-    pin : Pin
-    curvature : array_like
-        Signed curvature of the path of the pin's centre [1/m], for the flank below the path. For the flank
-        above change the sign.
-
-    Returns
-    -------
-    ndarray
-        Pressure [Pa]; infinite where the flank is undercut.
+    `load`: normal force of one contact [N]. `pin`. `curvature`: signed curvature of the path of the pin's
+    centre [1/m], for the flank below the path. For the flank above change the sign.
 
     Notes
     -----
@@ -126,14 +110,10 @@ class LineContact:
 
     Attributes
     ----------
-    half_width : ndarray
-        Half the width a of the contact along the groove [m].
-    pressure : ndarray
-        Largest pressure p_max [Pa].
-    shear : ndarray
-        Largest shear stress below the surface [Pa].
-    depth : ndarray
-        Depth of that shear stress below the surface [m].
+    half_width : Half the width a of the contact along the groove [m].
+    pressure : Largest pressure p_max [Pa].
+    shear : Largest shear stress below the surface [Pa].
+    depth : Depth of that shear stress below the surface [m].
     """
 
     half_width: Array
@@ -143,20 +123,10 @@ class LineContact:
 
 
 def relative_radius(pin: Pin, curvature: ArrayLike = 0.0) -> Array:
-    """Relative radius of pin and flank, 1/(1/r_pin + curvature of the flank).
+    """Relative radius of pin and flank [m]: 1/(1/r_pin + curvature of the flank).
 
-    Parameters
-    ----------
-    pin : Pin
-    curvature : array_like
-        Signed curvature k of the path of the pin's centre [1/m], + where the groove steepens, for the flank
-        below the path. For the flank above change the sign.
-
-    Returns
-    -------
-    ndarray
-        Relative radius [m]: r_pin for a straight flank, more on a hollow flank, less on a bulging one; 0 or
-        less where the flank is undercut.
+    It is r_pin for a straight flank, more on a hollow flank, less on a bulging one; 0 or less where the flank
+    is undercut. `pin`. `curvature`: as in `hertz_pressure`, + where the groove steepens.
 
     Notes
     -----
@@ -175,23 +145,9 @@ def relative_radius(pin: Pin, curvature: ArrayLike = 0.0) -> Array:
 def line_contact(load: ArrayLike, pin: Pin, curvature: ArrayLike = 0.0) -> LineContact:
     """Half width, pressure and shear stress of the line contact between pin and flank.
 
-    Parameters
-    ----------
-    load : array_like
-        Normal force of one contact [N], >= 0.
-    pin : Pin
-    curvature : array_like
-        Signed curvature of the path of the pin's centre [1/m], as in `relative_radius`.
-
-    Returns
-    -------
-    LineContact
-        Arrays of the shape of `load` and `curvature`. On an undercut flank the pressure is infinite.
-
-    Raises
-    ------
-    DesignError
-        A load that is negative or not finite.
+    `load`: normal force of one contact [N], >= 0. `pin`. `curvature`: signed curvature of the path of the
+    pin's centre [1/m], as in `hertz_pressure`. On an undercut flank the pressure is infinite. DesignError: a
+    load that is negative or not finite.
 
     Notes
     -----
@@ -219,21 +175,10 @@ def line_contact(load: ArrayLike, pin: Pin, curvature: ArrayLike = 0.0) -> LineC
 
 
 def shear_below(depth: ArrayLike, half_width: float, pressure: float) -> Array:
-    """Largest shear stress below the middle of a line contact, by McEwen.
+    """Largest shear stress below the middle of a line contact, by McEwen [Pa], of the shape of `depth`.
 
-    Parameters
-    ----------
-    depth : array_like
-        Depth below the surface [m], >= 0.
-    half_width : float
-        Half the width a of the contact [m], > 0.
-    pressure : float
-        Largest pressure of the contact [Pa].
-
-    Returns
-    -------
-    ndarray
-        Shear stress [Pa], of the shape of `depth`.
+    `depth` below the surface [m], >= 0. `half_width`: half the width a of the contact [m], > 0. `pressure`:
+    largest pressure of the contact [Pa].
 
     Notes
     -----

@@ -35,10 +35,8 @@ class LoadPower:
 
     Parameters
     ----------
-    exponent : float or array of the shape of the loads
-        nu [1].
-    reference : float
-        N_ref [N].
+    exponent : nu [1], float or of the shape of the loads.
+    reference : N_ref [N].
 
     Examples
     --------
@@ -62,10 +60,8 @@ class LoadSamples:
 
     Parameters
     ----------
-    loads : sequence of float, shape (n,)
-        Growing, > 0 [N].
-    coefficients : sequence of float, shape (n,)
-        mu at rest under these loads [1].
+    loads : Growing, > 0 [N], shape (n,).
+    coefficients : mu at rest under these loads [1], shape (n,).
     """
 
     def __init__(self, loads: Sequence[float], coefficients: Sequence[float]) -> None:
@@ -75,8 +71,9 @@ class LoadSamples:
         self._spline = CubicSpline(np.log(loads), logs - logs[len(logs) // 2], bc_type="clamped")
 
     def factor(self, load: Values) -> Values:
-        """Factor [1] at nominal loads of one contact [N], of the shape of `load`; beyond the loads of the
-        table the last one."""
+        """Factor [1] at nominal loads of one contact [N], of the shape of `load`; beyond the table the last
+        one.
+        """
         first, last = self._spline.x[[0, -1]]
         with np.errstate(divide="ignore"):
             place = np.log(np.abs(load.real))
@@ -91,25 +88,8 @@ class LoadSamples:
 def friction_under(
     friction: Pair, laws: Sequence[LoadLaw | None], slope: Pair, radius: Pair, force_per_contact: Values
 ) -> Pair:
-    """Coefficients of friction at rest under an axial force.
-
-    Parameters
-    ----------
-    friction : pair of array_like
-        Coefficients without the factor of the load [1].
-    laws : sequence of LoadLaw or None, shape (2,)
-        Of both contacts; None: the coefficient does not depend on the load.
-    slope : pair of array_like
-        Slopes a_i = dz/dpsi [m/rad].
-    radius : pair of array_like
-        Radii r_i [m].
-    force_per_contact : ndarray
-        Axial force over the number of contacts [N].
-
-    Returns
-    -------
-    pair of array_like
-        Coefficients [1].
+    """Coefficients of friction at rest [1] under an axial force, by the load `laws` of both contacts (None:
+    none).
     """
     if not any(laws):
         return friction

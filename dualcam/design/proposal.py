@@ -34,12 +34,9 @@ class SpringProposal:
 
     Attributes
     ----------
-    spring : Spring
-        The proposed spring, with which `design` was made.
-    vary : str
-        What differs from the given spring: "preload", "stiffness", or "both".
-    design : Design
-        The groove for that spring.
+    spring : The proposed spring, with which `design` was made.
+    vary : What differs from the given spring: "preload", "stiffness", or "both".
+    design : The groove for that spring.
     """
 
     spring: Spring

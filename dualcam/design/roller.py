@@ -28,21 +28,15 @@ class Roller:
 
     Parameters
     ----------
-    radius : float
-        Outer radius of the roller [m], > 0.
-    bearing_friction : float
-        Coefficient of friction in the bearing of the roller [1], >= 0.
-    bearing_radius : float
-        Radius at which the bearing rubs [m], > 0 and less than `radius`.
-    lever_arm : float
-        Lever arm of rolling resistance between roller and flank [m], >= 0 and less than `radius`.
-    sliding_friction : float
-        Coefficient of friction of a roller that slides on the flank [1], >= 0.
+    radius : Outer radius of the roller [m], > 0.
+    bearing_friction : Coefficient of friction in the bearing of the roller [1], >= 0.
+    bearing_radius : Radius at which the bearing rubs [m], > 0 and less than `radius`.
+    lever_arm : Lever arm of rolling resistance between roller and flank [m], >= 0 and less than `radius`.
+    sliding_friction : Coefficient of friction of a roller that slides on the flank [1], >= 0.
 
     Raises
     ------
-    DesignError
-        A value outside its range.
+    DesignError : A value outside its range.
 
     Examples
     --------

@@ -53,24 +53,11 @@ DIAMETERS = tuple(float(f"{number}e-3") for number in _MILLIMETRES.split())  # m
 
 
 def tensile_strength(grade: str, diameter: float) -> float:
-    """Least tensile strength of a wire of EN 10270-1.
+    """Least tensile strength of a wire of EN 10270-1 [Pa].
 
-    Parameters
-    ----------
-    grade : {"SL", "SM", "DM", "SH", "DH"}
-        Grade of the wire: low, medium or high strength, for static (S) or dynamic (D) load.
-    diameter : float
-        Diameter of the wire [m]: 0.3 to 20 mm, for SL 1 to 10 mm.
-
-    Returns
-    -------
-    float
-        R_m [Pa].
-
-    Raises
-    ------
-    DesignError
-        Another grade or diameter.
+    `grade` of the wire: low, medium or high strength, for static (S) or dynamic (D) load, one of "SL", "SM",
+    "DM", "SH", "DH". `diameter` of the wire [m]: 0.3 to 20 mm, for SL 1 to 10 mm. DesignError: another grade
+    or diameter.
 
     Examples
     --------

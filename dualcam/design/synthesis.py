@@ -34,33 +34,24 @@ def synthesize(
 
     Parameters
     ----------
-    torque : float, function or tuple of two array_like
+    torque
         Wanted torque. A number: the same torque [N.m] at each angle. A function of an array of theta [rad].
         Samples (theta, torque) [rad, N.m], which a cubic spline joins.
-    upper : float
-        End of the range of theta [rad], which begins at 0.
-    spring : Spring
-        Force of the spring over z.
+    upper : End of the range of theta [rad], which begins at 0.
+    spring : Force of the spring over z.
     direction : {"loading", "releasing", "frictionless"}
         The torque is that of slow loading or that of slow releasing, friction included; or that of the same
         grooves without friction, which lies between the two.
-    groove2 : Helix, Ellipse, Table or None
-        Groove of cam 2. None: both grooves become equal.
-    friction : sequence of two floats
-        Friction coefficients of both contacts [1].
-    radius : float
-        Radius of cam 1 [m].
-    contacts : {1, 2}
-        Number of pin ends that share the load.
-    kinks : sequence of float
-        Angles at which the torque has a kink [rad].
-    tolerance : float
-        Largest allowed relative error of the torque [1].
+    groove2 : Groove of cam 2. None: both grooves become equal.
+    friction : Friction coefficients of both contacts [1].
+    radius : Radius of cam 1 [m].
+    contacts : Number of pin ends that share the load, 1 or 2.
+    kinks : Angles at which the torque has a kink [rad].
+    tolerance : Largest allowed relative error of the torque [1].
 
     Returns
     -------
-    Design
-        The groove as a table for the FMU. `Design.summary()` says what friction does to it.
+    The groove as a table for the FMU. `Design.summary()` says what friction does to it.
 
     Raises
     ------
@@ -70,8 +61,7 @@ def synthesize(
 
     Warns
     -----
-    UnitWarning
-        If `upper` is above 2 pi, which looks like degrees.
+    UnitWarning : If `upper` is above 2 pi, which looks like degrees.
 
     Notes
     -----
@@ -113,26 +103,13 @@ def propose_spring(
 ) -> SpringProposal:
     """A spring with which `synthesize` gives the wanted torque.
 
-    Parameters
-    ----------
-    torque, upper, direction, groove2, friction, radius, contacts, kinks, tolerance
-        As in `synthesize`.
-    spring : Spring
-        The spring to change.
-    vary : {"preload", "stiffness", "both"}
-        What may be changed. "both": a new preload and a new stiffness, with which the force doubles over
-        about the range.
+    Of the springs that work, it is the one whose groove has lead angles nearest to 45 deg, where friction
+    costs least. `SpringProposal.spring` goes into `synthesize`.
 
-    Returns
-    -------
-    SpringProposal
-        Of the springs that work, the one whose groove has lead angles nearest to 45 deg, where friction costs
-        least. `SpringProposal.spring` goes into `synthesize`.
-
-    Raises
-    ------
-    DesignError
-        If no such spring is found, or an argument is not allowed.
+    `torque`, `upper`, `direction`, `groove2`, `friction`, `radius`, `contacts`, `kinks`, `tolerance`: as in
+    `synthesize`. `spring`: the spring to change. `vary`: "preload", "stiffness" or "both": new ones with
+    which the force doubles over about the range. DesignError: no such spring is found, or an argument is not
+    allowed.
 
     Examples
     --------

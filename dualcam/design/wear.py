@@ -53,8 +53,7 @@ class WearLife:
 
     Attributes
     ----------
-    groove1, groove2, pin : float
-        Cycles of each part; infinite for a part that does not wear.
+    groove1, groove2, pin : Cycles of each part; infinite for a part that does not wear.
     """
 
     groove1: float
@@ -82,20 +81,13 @@ class WornMechanism:
 
     Attributes
     ----------
-    cycles : float
-        The number of cycles.
-    theta : ndarray
-        Angle of cam 2 [rad].
-    drop : ndarray
-        Way by which the follower stands lower than when new [m].
-    force_loss : ndarray
-        Force that the spring has lost [N].
-    preload_loss : float
-        The same at theta = 0 [N].
-    release, load : ndarray
-        Edges of the stick band [N.m].
-    new_release, new_load : ndarray
-        Edges of the stick band of the new mechanism [N.m].
+    cycles : The number of cycles.
+    theta : Angle of cam 2 [rad].
+    drop : Way by which the follower stands lower than when new [m].
+    force_loss : Force that the spring has lost [N].
+    preload_loss : The same at theta = 0 [N].
+    release, load : Edges of the stick band [N.m].
+    new_release, new_load : Edges of the stick band of the new mechanism [N.m].
     """
 
     cycles: float
@@ -122,22 +114,18 @@ class Wear:
     ----------
     mechanism : Mechanism
     pin : Pin
-    turns : bool
-        Whether the pin turns while it moves along the groove.
-    theta : ndarray, shape (n,)
-        Angle of cam 2 [rad].
-    psi : ndarray, shape (2, n)
-        Place of the pin along each groove [rad].
-    depth : ndarray, shape (2, n)
-        Depth that the flank which supports the spring loses in a cycle [m], normal to the flank.
-    other_depth : ndarray, shape (2, n)
-        The same of the other flank. The pin bears on that flank only while a self-locking cam releases.
-    path : ndarray, shape (2,)
-        Sliding distance along each groove in a cycle [m].
-    volume : ndarray, shape (2,)
-        Volume that each groove loses in a cycle [m3], of one contact.
-    pin_volume : ndarray, shape (2,)
-        Volume that the pin loses in a cycle [m3], of one contact.
+    turns : Whether the pin turns while it moves along the groove.
+    theta : Angle of cam 2 [rad], shape (n,).
+    psi : Place of the pin along each groove [rad], shape (2, n).
+    depth
+        Depth that the flank which supports the spring loses in a cycle [m], normal to the flank, shape (2,
+        n).
+    other_depth
+        The same of the other flank, shape (2, n). The pin bears on that flank only while a self-locking cam
+        releases.
+    path : Sliding distance along each groove in a cycle [m], shape (2,).
+    volume : Volume that each groove loses in a cycle [m3], of one contact, shape (2,).
+    pin_volume : Volume that the pin loses in a cycle [m3], of one contact, shape (2,).
     """
 
     mechanism: Mechanism
@@ -157,17 +145,8 @@ class Wear:
         return np.asarray(np.maximum(self.depth, self.other_depth).max(axis=1))
 
     def pin_depth(self, cycles: float) -> Array:
-        """Depth of wear on the pin after a number of cycles.
-
-        Parameters
-        ----------
-        cycles : float
-            Number of cycles, >= 0.
-
-        Returns
-        -------
-        ndarray, shape (2,)
-            Depth in groove 1 and in groove 2 [m].
+        """Depth of wear on the pin in groove 1 and in groove 2 [m], shape (2,), after a number of `cycles`,
+        >= 0.
         """
         area = _count(cycles) * self.pin_volume / self.pin.width
         if self.turns:
@@ -177,19 +156,8 @@ class Wear:
     def life(self, allowed: float) -> WearLife:
         """Cycles until a part has the allowed depth of wear.
 
-        Parameters
-        ----------
-        allowed : float
-            Allowed depth normal to the surface [m], > 0, of each groove and of the pin.
-
-        Returns
-        -------
-        WearLife
-
-        Raises
-        ------
-        DesignError
-            A depth that is not above 0.
+        `allowed` depth normal to the surface [m], > 0, of each groove and of the pin. DesignError: a depth
+        that is not above 0.
         """
         if not 0.0 < allowed < math.inf:
             raise DesignError(f"allowed depth = {allowed}: allowed is a finite number > 0 in m")
@@ -202,23 +170,11 @@ class Wear:
         return WearLife(float(grooves[0]), float(grooves[1]), float(pin.min()))
 
     def after(self, cycles: float) -> WornMechanism:
-        """The mechanism after a number of cycles: lost preload, and torque.
+        """The mechanism after a number of `cycles`, >= 0: wear of the flanks that support the spring and of
+        the pin, lost preload, torque.
 
-        Parameters
-        ----------
-        cycles : float
-            Number of cycles, >= 0.
-
-        Returns
-        -------
-        WornMechanism
-            Wear of the flanks that support the spring, and of the pin.
-
-        Raises
-        ------
-        DesignError
-            So many cycles that the wear is deeper than a quarter of the pin's radius, or that the spring is
-            slack.
+        DesignError: so many cycles that the wear is deeper than a quarter of the pin's radius, or that the
+        spring is slack.
 
         Examples
         --------
@@ -254,26 +210,11 @@ def wear(
 ) -> Wear:
     """Wear of grooves and pin in one slow cycle, from the lower stop to the upper one and back.
 
-    Parameters
-    ----------
-    mechanism : Mechanism
-    pin : Pin
-        With the specific wear rate of the pin, `pin.wear`.
-    rates : sequence of float, shape (2,)
-        Specific wear rates of groove 1 and groove 2 [m3/(N.m)], >= 0: the FMU's `cam1.wear`, `cam2.wear`.
-    turns : bool
-        Whether the pin turns in the groove, as a roller does. Then the pin wears all around.
-    points : int
-        Angles, evenly over the range, >= 5.
-
-    Returns
-    -------
-    Wear
-
-    Raises
-    ------
-    DesignError
-        Rates that are negative, too few points, an undercut flank, or grooves that are level together.
+    `mechanism`. `pin`: with the specific wear rate of the pin, `pin.wear`. `rates`: specific wear rates of
+    groove 1 and groove 2 [m3/(N.m)], >= 0: the FMU's `cam1.wear`, `cam2.wear`, shape (2,). `turns`: whether
+    the pin turns in the groove, as a roller does. Then the pin wears all around. `points`: angles, evenly
+    over the range, >= 5. DesignError: rates that are negative, too few points, an undercut flank, or grooves
+    that are level together.
 
     Notes
     -----

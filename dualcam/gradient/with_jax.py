@@ -30,8 +30,7 @@ def jax_rollout(fleet: DifferentiableFleet) -> Callable[[JaxArray, JaxArray, Jax
 
     Parameters
     ----------
-    fleet : DifferentiableFleet
-        Stays open as long as the function is used.
+    fleet : Stays open as long as the function is used.
 
     Returns
     -------
@@ -42,10 +41,8 @@ def jax_rollout(fleet: DifferentiableFleet) -> Callable[[JaxArray, JaxArray, Jax
 
     Raises
     ------
-    ImportError
-        JAX is not installed.
-    DualcamError
-        JAX is set to numbers of 32 bits.
+    ImportError : JAX is not installed.
+    DualcamError : JAX is set to numbers of 32 bits.
 
     Notes
     -----

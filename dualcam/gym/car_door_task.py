@@ -38,13 +38,10 @@ class CarDoorTask(Task):
 
     Parameters
     ----------
-    energy_weight, error_weight, impact_weight : float
-        As in `Task`.
-    mass : tuple of float
-        Least and largest mass of the door [kg].
-    friction : tuple of float
-        Least and largest Coulomb coefficient of both contacts [1].
-    pitch, roll : tuple of float
+    energy_weight, error_weight, impact_weight : As in `Task`.
+    mass : Least and largest mass of the door [kg].
+    friction : Least and largest Coulomb coefficient of both contacts [1].
+    pitch, roll
         Least and largest slope along and across the car [rad]; > 0 lifts the nose, or the door's side.
     """
 
@@ -118,16 +115,7 @@ class CarDoorTask(Task):
 
 
 def inertia_of(mass: Array) -> Array:
-    """The inertia about the hinge of a door that has the shape of the known one.
-
-    Parameters
-    ----------
-    mass : ndarray
-        Mass of the door [kg].
-
-    Returns
-    -------
-    ndarray
-        Inertia with the rotor's [kg.m2].
+    """The inertia about the hinge [kg.m2], with the rotor's, of a door of a `mass` [kg] and the shape of the
+    known one.
     """
     return mass / car_door.MASS * car_door.DOOR_INERTIA + car_door.MOTOR.inertia

@@ -35,12 +35,9 @@ class ElbowTask(Task):
 
     Parameters
     ----------
-    energy_weight, error_weight, impact_weight : float
-        As in `Task`.
-    payload : tuple of float
-        Least and largest payload [kg].
-    friction : tuple of float
-        Least and largest Coulomb coefficient of both contacts [1].
+    energy_weight, error_weight, impact_weight : As in `Task`.
+    payload : Least and largest payload [kg].
+    friction : Least and largest Coulomb coefficient of both contacts [1].
     """
 
     payload: Range = (0.5, 2.5)

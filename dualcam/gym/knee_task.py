@@ -40,14 +40,11 @@ class Curves(NamedTuple):
 
     Parameters
     ----------
-    angle, speed : ndarray
-        The knee at the ends of the control periods [rad, rad/s].
-    tilt, turning : ndarray
+    angle, speed : The knee at the ends of the control periods [rad, rad/s].
+    tilt, turning
         The thigh's inclination in the middle of the control periods [rad] and its second derivative [rad/s2].
-    ahead, above : ndarray
-        Acceleration of the knee's axis in the middle of the control periods [m/s2].
-    length : ndarray of int, shape (CADENCES,)
-        Control periods of the swing.
+    ahead, above : Acceleration of the knee's axis in the middle of the control periods [m/s2].
+    length : Control periods of the swing, shape (CADENCES,).
     """
 
     angle: Array
@@ -61,13 +58,7 @@ class Curves(NamedTuple):
 
 @cache
 def curves() -> Curves:
-    """The measured swings, sampled.
-
-    Returns
-    -------
-    Curves
-        At all cadences.
-    """
+    """The measured swings, sampled, at all cadences."""
     fine = [measured_swing(WALKER, cadence, 0.0, 0.5 * CONTROL_PERIOD) for cadence in cadences()]
     coarse = [(len(swing.time) - 1) // 2 for swing in fine]
     most = max(coarse) + 1
@@ -88,13 +79,7 @@ def curves() -> Curves:
 
 
 def cadences() -> list[float]:
-    """The cadences that are drawn.
-
-    Returns
-    -------
-    list of float
-        Shares of the self-selected cadence [1].
-    """
+    """The cadences that are drawn: shares of the self-selected cadence [1]."""
     return np.linspace(SLOWEST, FASTEST, CADENCES).round(2).tolist()
 
 
@@ -105,14 +90,10 @@ class KneeTask(Task):
 
     Parameters
     ----------
-    energy_weight, error_weight, impact_weight : float
-        As in `Task`; the error counts ten times as much.
-    shank : tuple of float
-        Least and largest mass and inertia of shank and foot over those of the walker [1].
-    friction : tuple of float
-        Least and largest Coulomb coefficient of both contacts [1].
-    cadence : tuple of float
-        Least and largest cadence over the self-selected one [1], drawn in steps of 1 %.
+    energy_weight, error_weight, impact_weight : As in `Task`; the error counts ten times as much.
+    shank : Least and largest mass and inertia of shank and foot over those of the walker [1].
+    friction : Least and largest Coulomb coefficient of both contacts [1].
+    cadence : Least and largest cadence over the self-selected one [1], drawn in steps of 1 %.
     """
 
     error_weight: float = 1000.0
@@ -219,24 +200,14 @@ class KneeTask(Task):
 
 @cache
 def design_cam() -> EllipticalCam:
-    """The knee's cam, designed once.
-
-    Returns
-    -------
-    EllipticalCam
-        That of `dualcam.systems.machines.knee.design_cam`.
-    """
+    """The knee's cam, designed once: that of `dualcam.systems.machines.knee.design_cam`."""
     return knee.design_cam()
 
 
 @cache
 def most_drive() -> float:
-    """A bound of the torque of gravity and of the thigh's motion.
-
-    Returns
-    -------
-    float
-        Torque [N.m], larger than all at the heaviest shank.
+    """A bound of the torque of gravity and of the thigh's motion [N.m], larger than all at the heaviest
+    shank.
     """
     planned, body = curves(), WALKER.pendulum
     turning, ahead, above = (
@@ -247,11 +218,5 @@ def most_drive() -> float:
 
 @cache
 def extension() -> float:
-    """The walker's knee angle at full extension.
-
-    Returns
-    -------
-    float
-        Angle [rad].
-    """
+    """The walker's knee angle at full extension [rad]."""
     return measured_swing(WALKER, 1.0, 0.0).extension

@@ -33,12 +33,9 @@ class Ambiguity:
 
     Attributes
     ----------
-    names : tuple of str
-        The unknowns; one name: the recording says nothing about this unknown.
-    text : str
-        A sentence with an example in numbers.
-    advice : str
-        What would tell the unknowns apart.
+    names : The unknowns; one name: the recording says nothing about this unknown.
+    text : A sentence with an example in numbers.
+    advice : What would tell the unknowns apart.
     """
 
     names: tuple[str, ...]
@@ -52,25 +49,7 @@ class Ambiguity:
 def ambiguities_of(
     solution: Solution, unknowns: Sequence[Unknown], motion: MeasuredMotion, span: float, speeds: Array
 ) -> list[Ambiguity]:
-    """Directions in the space of the unknowns that the data leave open.
-
-    Parameters
-    ----------
-    solution : Solution
-        Result, with the derivatives of the torque by the unknowns.
-    unknowns : sequence of Unknown
-        The unknowns.
-    motion : MeasuredMotion
-        For the advice.
-    span : float
-        Range of theta between the stops [rad].
-    speeds : ndarray
-        Sliding speeds of the samples that slip [m/s].
-
-    Returns
-    -------
-    list of Ambiguity
-    """
+    """Directions in the space of the unknowns that the data leave open."""
     names = [unknown.name for unknown in unknowns]
     solution = _in_present_sizes(solution)
     _, _, directions = np.linalg.svd(solution.jacobian, full_matrices=False)
@@ -90,22 +69,8 @@ def ambiguities_of(
 
 
 def exchangeable_cams(model: TorqueModel, solution: Solution, unknowns: Sequence[Unknown]) -> list[Ambiguity]:
-    """Pairs of values, one of each cam, that can be swapped without a change of the torque.
-
-    Derivatives do not show such a pair: the error has two equal minima, and each is narrow.
-
-    Parameters
-    ----------
-    model : TorqueModel
-        Torque as a function of the unknowns.
-    solution : Solution
-        Result of the fit.
-    unknowns : sequence of Unknown
-        The unknowns.
-
-    Returns
-    -------
-    list of Ambiguity
+    """Pairs of values, one of each cam, that can be swapped without a change of the torque. Derivatives do
+    not show such a pair: the error has two equal minima, and each is narrow.
     """
     names = [unknown.name for unknown in unknowns]
     pairs = [name.partition(".")[2] for name in names if name.startswith(f"{CAMS[0]}.")]

@@ -49,35 +49,28 @@ def identify(
 
     Parameters
     ----------
-    recording : Recording, str or Path
-        Samples, or the path of a CSV file with a header such as `time_s,theta_deg,tau_Nm`.
-    design : DesignFile, str or Path
-        Grooves and all values that are not fitted; start values of the others.
-    fit : sequence of str
+    recording : Samples, or the path of a CSV file with a header such as `time_s,theta_deg,tau_Nm`.
+    design : Grooves and all values that are not fitted; start values of the others.
+    fit
         What is fitted: real parameters of the FMU such as `spring.preload` or `cam1.friction`; `friction`,
         `friction_peak` and the like for one value of both cams; `torque_offset` and `angle_offset` for the
         zero errors of the sensors.
     motion : {"auto", "quasi-static", "dynamic"}
         Whether the acceleration counts. auto: it does where it stands out of its noise.
-    window : float, optional
+    window
         Length of the window in which the angle is smoothed [s]. Default: that of the least error of
         prediction.
-    progress : function, optional
-        Called with the stage of the work, often.
+    progress : Called with the stage of the work, often.
 
     Returns
     -------
-    Identification
-        Values with 95 % intervals, what the data cannot tell apart, residuals, picture, report.
+    Values with 95 % intervals, what the data cannot tell apart, residuals, picture, report.
 
     Raises
     ------
-    IdentificationError
-        The recording or the names are refused.
-    DesignFileError
-        The design file is refused.
-    FmuError
-        The FMU refuses the design.
+    IdentificationError : The recording or the names are refused.
+    DesignFileError : The design file is refused.
+    FmuError : The FMU refuses the design.
 
     Examples
     --------

@@ -52,18 +52,12 @@ class Missing:
 
     Attributes
     ----------
-    name : str
-        As in `fit`.
-    unit : str
-        Unit, "1" for a plain number.
-    held : float
-        Value in the fit.
-    change : float
-        Change that the residuals ask for, by one linear step.
-    half_width : float
-        Half of the 95 % interval of `change`.
-    drop : float
-        Part of the sum of squares that the change explains, 0 to 1.
+    name : As in `fit`.
+    unit : Unit, "1" for a plain number.
+    held : Value in the fit.
+    change : Change that the residuals ask for, by one linear step.
+    half_width : Half of the 95 % interval of `change`.
+    drop : Part of the sum of squares that the change explains, 0 to 1.
     """
 
     name: str
@@ -80,14 +74,10 @@ class Lever:
 
     Attributes
     ----------
-    name, held_name : str
-        The fitted value and the held one.
-    held : float
-        The held value.
-    change : float
-        Change of the fitted value by 10 % of the held value.
-    unit, held_unit : str
-        Units, "1" for a plain number.
+    name, held_name : The fitted value and the held one.
+    held : The held value.
+    change : Change of the fitted value by 10 % of the held value.
+    unit, held_unit : Units, "1" for a plain number.
     """
 
     name: str
@@ -118,24 +108,18 @@ def lack_of_fit(
 
     Parameters
     ----------
-    design : DesignFile
-        Values that are held.
-    motion : MeasuredMotion
-        Motion at the samples.
-    force : ndarray, shape (n,)
-        Axial force on the follower [N].
-    unknowns : sequence of Unknown
-        What was fitted.
-    solution : Solution
-        Result of the fit.
+    design : Values that are held.
+    motion : Motion at the samples.
+    force : Axial force on the follower [N], shape (n,).
+    unknowns : What was fitted.
+    solution : Result of the fit.
 
     Returns
     -------
     missing : list of Missing
         The value that explains most of the residual, if its change is beyond doubt, and those that explain
         nearly as much.
-    levers : list of Lever
-        Doubts of single values.
+    levers : Doubts of single values.
     """
     others = _others(design, motion, unknowns)
     slips = np.flatnonzero(motion.direction)

@@ -37,18 +37,13 @@ class Solution:
 
     Attributes
     ----------
-    values, sizes : ndarray, shape (p,)
-        Best values, and the size of each unknown, in the unknown's unit.
-    residual : ndarray, shape (n,)
-        Torque of the model minus measured torque [N.m]; 0 where a torque at rest is allowed.
-    jacobian : ndarray, shape (n, p)
-        Derivatives of the residual [N.m] by values in units of `sizes`.
-    covariance : ndarray, shape (p, p)
-        Of values in units of `sizes`.
-    widths : ndarray, shape (2, p, p)
-        For `half_width`, in units of `sizes`.
-    noise : float
-        Standard deviation of the torque's noise [N.m].
+    values, sizes : Best values, and the size of each unknown, in the unknown's unit, shape (p,).
+    residual
+        Torque of the model minus measured torque [N.m], shape (n,); 0 where a torque at rest is allowed.
+    jacobian : Derivatives of the residual [N.m] by values in units of `sizes`, shape (n, p).
+    covariance : Of values in units of `sizes`, shape (p, p).
+    widths : For `half_width`, in units of `sizes`, shape (2, p, p).
+    noise : Standard deviation of the torque's noise [N.m].
     """
 
     values: Array
@@ -202,24 +197,19 @@ def spread(residual: Array, jacobian: Array, noise: float) -> tuple[Array, Array
 
     Parameters
     ----------
-    residual : ndarray, shape (n,)
-        Residuals [N.m].
-    jacobian : ndarray, shape (n, p)
-        Their derivatives [N.m].
-    noise : float
-        Standard deviation of the torque's noise [N.m], for the weak hold at the start.
+    residual : Residuals [N.m], shape (n,).
+    jacobian : Their derivatives [N.m], shape (n, p).
+    noise : Standard deviation of the torque's noise [N.m], for the weak hold at the start.
 
     Returns
     -------
-    covariance : ndarray, shape (p, p)
-        For independent residuals.
+    covariance : For independent residuals, shape (p, p).
     widths : ndarray, shape (2, p, p)
         Two matrices W. The half width of the 95 % interval along a direction v is the larger length of v W.
 
     Raises
     ------
-    IdentificationError
-        There are not more samples that tell something than unknowns.
+    IdentificationError : There are not more samples that tell something than unknowns.
     """
     count = jacobian.shape[1]
     telling = np.flatnonzero((residual != 0.0) | jacobian.any(axis=1))

@@ -29,18 +29,14 @@ class MeasuredMotion:
 
     Attributes
     ----------
-    theta, omega, alpha : ndarray
+    theta, omega, alpha
         Angle [rad], smoothed where the cam slips and no speed is measured, angular velocity [rad/s] and
         acceleration [rad/s2]. alpha is 0 in quasi-static motion.
-    direction : ndarray of int
-        1: loading, -1: releasing, 0: at rest, or so near to rest that the direction is not known.
-    kind : {"quasi-static", "dynamic"}
-        Whether alpha counts.
-    slowest : float
-        Speed below which a sample counts as at rest [rad/s].
-    window : float or None
-        Length of the window of the local polynomials [s]; None where the speed was measured.
-    theta_noise, alpha_noise, alpha_rms : float
+    direction : 1: loading, -1: releasing, 0: at rest, or so near to rest that the direction is not known.
+    kind : Whether alpha counts, "quasi-static" or "dynamic".
+    slowest : Speed below which a sample counts as at rest [rad/s].
+    window : Length of the window of the local polynomials [s]; None where the speed was measured.
+    theta_noise, alpha_noise, alpha_rms
         Noise of the measured angle [rad], noise of alpha and RMS of alpha [rad/s2].
     """
 
@@ -71,25 +67,8 @@ class MeasuredMotion:
 
 
 def motion_of(recording: Recording, kind: str = AUTO, window: float | None = None) -> MeasuredMotion:
-    """The motion behind a recording.
-
-    Parameters
-    ----------
-    recording : Recording
-        Time, angle and perhaps speed.
-    kind : {"auto", "quasi-static", "dynamic"}
-        auto: dynamic where the acceleration stands out of its noise.
-    window : float, optional
-        Length of the window of the local polynomials [s]. Default: that of the least error of prediction.
-
-    Returns
-    -------
-    MeasuredMotion
-
-    Raises
-    ------
-    IdentificationError
-        For another kind, or a window that is no length of time within the recording.
+    """The motion behind a recording; `kind` "auto" is dynamic where the acceleration stands out of its noise,
+    `window` [s] None that of the least error of prediction.
     """
     if kind not in KINDS:
         raise IdentificationError(f"motion = {kind!r}: allowed are {', '.join(KINDS)}")

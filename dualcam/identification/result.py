@@ -32,22 +32,16 @@ class FittedParameter:
 
     Attributes
     ----------
-    name : str
-        As given in `fit`.
-    keys : tuple of str
-        The FMU's parameters with this value.
-    unit : str
-        Unit, "1" for a plain number.
-    start, value : float
-        Value of the design, and fitted value.
-    low, high : float
-        Ends of the 95 % interval.
+    name : As given in `fit`.
+    keys : The FMU's parameters with this value.
+    unit : Unit, "1" for a plain number.
+    start, value : Value of the design, and fitted value.
+    low, high : Ends of the 95 % interval.
     status : {"known", "at its limit", "not determined"}
         "at its limit": the recording asks for a value beyond the least or greatest allowed one. "not
         determined": see the ambiguities.
-    limit : float or None
-        The limit at which the best value is.
-    part : float
+    limit : The limit at which the best value is.
+    part
         RMS of the value's part of the torque where the cam slips [N.m], by the derivative at the best value.
     """
 

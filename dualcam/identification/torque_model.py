@@ -31,21 +31,15 @@ class TorqueModel:
 
     Parameters
     ----------
-    design : DesignFile
-        Values of all parameters that are not fitted.
-    motion : MeasuredMotion
-        Angle, speed and acceleration.
-    force : ndarray, shape (n,)
-        Axial force on the follower [N].
-    unknowns : sequence of Unknown, shape (p,)
-        Parameters whose values `limits` takes.
+    design : Values of all parameters that are not fitted.
+    motion : Angle, speed and acceleration.
+    force : Axial force on the follower [N], shape (n,).
+    unknowns : Parameters whose values `limits` takes, shape (p,).
 
     Raises
     ------
-    IdentificationError
-        The angle leaves the range between the stops, or the design has an elastic shaft.
-    FmuError
-        The FMU refuses the design.
+    IdentificationError : The angle leaves the range between the stops, or the design has an elastic shaft.
+    FmuError : The FMU refuses the design.
     """
 
     def __init__(
@@ -84,20 +78,16 @@ class TorqueModel:
 
         Parameters
         ----------
-        values : ndarray, shape (p,)
-            Values of the unknowns.
-        shift : float
-            Added to all angles [rad].
+        values : Values of the unknowns, shape (p,).
+        shift : Added to all angles [rad].
 
         Returns
         -------
-        low, high : ndarray, shape (n,)
-            Torques [N.m].
+        low, high : Torques [N.m], shape (n,).
 
         Raises
         ------
-        FmuError
-            The FMU refuses the values.
+        FmuError : The FMU refuses the values.
         """
         rows, offset = self._started(values, shift)
         motion = self.motion
@@ -114,17 +104,7 @@ class TorqueModel:
         return low + offset, high + offset
 
     def sliding_speeds(self, values: Array) -> Array:
-        """Sliding speed of both contacts at each sample [m/s], shape (n, 2).
-
-        Parameters
-        ----------
-        values : ndarray, shape (p,)
-            Values of the unknowns.
-
-        Returns
-        -------
-        ndarray, shape (n, 2)
-        """
+        """Sliding speed of both contacts at each sample [m/s], shape (n, 2)."""
         rows, _ = self._started(values)
         found = np.empty((len(rows), 2))
         for k, row in enumerate(rows.tolist()):

@@ -37,10 +37,8 @@ class FreeMotion(NamedTuple):
 
     Parameters
     ----------
-    angle, speed : ndarray, shape (count, n)
-        Angles [rad] and speeds [rad/s] at the end of the step.
-    mobility : ndarray, shape (count, n, n)
-        Accelerations per torque [rad/s2 per N.m].
+    angle, speed : Angles [rad] and speeds [rad/s] at the end of the step, shape (count, n).
+    mobility : Accelerations per torque [rad/s2 per N.m], shape (count, n, n).
     """
 
     angle: Array
@@ -57,19 +55,8 @@ class ShaftLaw(Protocol):
         ...
 
     def torque(self, mobility: Array, given: Array | float) -> Array:
-        """The torque on the cam.
-
-        Parameters
-        ----------
-        mobility : ndarray, shape (count,)
-            A_ii [rad/s2 per N.m].
-        given : ndarray, shape (count,), or 0
-            c_i times the sum over the other shafts [N.m].
-
-        Returns
-        -------
-        ndarray, shape (count,)
-            Torque [N.m].
+        """The torque on the cam [N.m], shape (count,), of a mobility a_ii [rad/s2 per N.m] and c_i times the
+        sum over the other shafts, `given` [N.m].
         """
         ...
 
@@ -79,12 +66,9 @@ class CamLaw(NamedTuple):
 
     Parameters
     ----------
-    source : ndarray, shape (count,)
-        K (p - x), the torque if the joint did not give way [N.m].
-    coupling : float
-        c of the module's text [N.m.s2/rad].
-    lower, upper : ndarray, shape (count,)
-        Edges of the stick band at x; infinite where a stop carries the cam [N.m].
+    source : K (p - x), the torque if the joint did not give way [N.m], shape (count,).
+    coupling : c of the module's text [N.m.s2/rad].
+    lower, upper : Edges of the stick band at x, shape (count,); infinite where a stop carries the cam [N.m].
     """
 
     source: Array
@@ -107,18 +91,13 @@ class DriveLaw(NamedTuple):
 
     Parameters
     ----------
-    stiffness, damping : float
-        K [N.m/rad] and D [N.m.s/rad] of the shaft.
-    step : float
-        h [s].
-    angle, speed : ndarray
-        p and w minus the angle and the speed of the cam now [rad, rad/s].
-    omega, alpha : ndarray
+    stiffness, damping : K [N.m/rad] and D [N.m.s/rad] of the shaft.
+    step : h [s].
+    angle, speed : p and w minus the angle and the speed of the cam now [rad, rad/s].
+    omega, alpha
         Speed of the cam now [rad/s], and its acceleration without the shaft's torque if it slides [rad/s2].
-    inertia : ndarray
-        J [kg.m2].
-    motor, lower, upper : ndarray
-        The motor's torque, and the edges of the stick band [N.m].
+    inertia : J [kg.m2].
+    motor, lower, upper : The motor's torque, and the edges of the stick band [N.m].
     """
 
     stiffness: float
@@ -156,21 +135,8 @@ class DriveLaw(NamedTuple):
 
 
 def shaft_torques(laws: Sequence[ShaftLaw], mobility: Array, start: Array) -> Array:
-    """The torques that satisfy all laws at once.
-
-    Parameters
-    ----------
-    laws : sequence of ShaftLaw, length n
-        The shafts.
-    mobility : ndarray, shape (count, n, n)
-        Accelerations per torque [rad/s2 per N.m].
-    start : ndarray, shape (count, n)
-        Where the iteration starts: the torques of the last step [N.m].
-
-    Returns
-    -------
-    ndarray, shape (count, n)
-        Torques of the shafts on the cams [N.m].
+    """The torques of the shafts on the cams [N.m], shape (count, n), that satisfy all laws at once, iterated
+    from `start`. `mobility`: accelerations per torque [rad/s2 per N.m], shape (count, n, n).
     """
     if len(laws) == 1:
         return laws[0].torque(mobility[:, 0, 0], 0.0)[:, None]

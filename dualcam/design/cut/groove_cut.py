@@ -26,10 +26,8 @@ class Curve(NamedTuple):
 
     Attributes
     ----------
-    psi : ndarray
-        Angle [rad], in the direction in which the pin moves along the groove while loading.
-    z : ndarray
-        Height [m]; 0 is the height of the pin's axis at theta = 0.
+    psi : Angle [rad], in the direction in which the pin moves along the groove while loading.
+    z : Height [m]; 0 is the height of the pin's axis at theta = 0.
     """
 
     psi: Array
@@ -41,10 +39,8 @@ class Flanks(NamedTuple):
 
     Attributes
     ----------
-    upper : Curve
-        The flank above the pin.
-    lower : Curve
-        The flank below the pin: the flank that carries the spring.
+    upper : The flank above the pin.
+    lower : The flank below the pin: the flank that carries the spring.
     """
 
     upper: Curve
@@ -57,13 +53,10 @@ class GrooveCut:
 
     Parameters
     ----------
-    mechanism : Mechanism
-        Both grooves and the stops: they say how far the pin moves in each groove.
-    cam : {1, 2}
-        Cam 1 stands still, cam 2 turns.
-    pin_radius : float
-        Radius of the pin [m].
-    run_out : float
+    mechanism : Both grooves and the stops: they say how far the pin moves in each groove.
+    cam : Cam 1 stands still, cam 2 turns, 1 or 2.
+    pin_radius : Radius of the pin [m].
+    run_out
         Length by which the groove goes on beyond both ends of the pin's travel [m], straight at the lead
         angle of that end, also where the groove law goes on. 0: the round ends of the groove touch the pin at
         the stops.
@@ -156,17 +149,10 @@ class GrooveCut:
         return self.run_out / math.hypot(self.radius, float(self.groove.at(psi).slope))
 
     def centre(self, psi: ArrayLike) -> Point:
-        """The path of the pin's axis.
+        """The height of the path of the pin's axis [m] and its derivatives by `psi` [rad], the angle along
+        the groove.
 
-        Parameters
-        ----------
-        psi : array_like
-            Angle along the groove [rad]. Beyond the stops the path goes on straight.
-
-        Returns
-        -------
-        Point
-            Height [m] and its derivatives by psi, of the shape of `psi`.
+        Beyond the stops the path goes on straight.
         """
         angle = real_array(psi, "psi", DesignError)
         inside = np.clip(angle, *self.travel)
@@ -183,19 +169,10 @@ class GrooveCut:
     # ---- flanks ----
 
     def flanks(self, psi: ArrayLike, radius: float | None = None) -> Flanks:
-        """Where the pin touches both flanks.
+        """The points where the pin touches both flanks, of the shape of `psi`.
 
-        Parameters
-        ----------
-        psi : array_like
-            Angle of the pin's axis along the groove [rad].
-        radius : float, optional
-            Radius of the cylinder on which the flanks are sought [m]; that of the cam if not given.
-
-        Returns
-        -------
-        Flanks
-            Points of the shape of `psi`.
+        `psi`: angle of the pin's axis along the groove [rad]. `radius` of the cylinder on which the flanks
+        are sought [m]; that of the cam if not given.
         """
         angle, point = real_array(psi, "psi", DesignError), self.centre(psi)
         touch = contact(point.slope, self.pin_radius, self.radius if radius is None else radius)
@@ -205,21 +182,11 @@ class GrooveCut:
         )
 
     def round_end(self, at_end: bool, share: ArrayLike, radius: float | None = None) -> Curve:
-        """The round end of the groove: the edge of the pin between its contacts with both flanks.
+        """Points, of the shape of `share`, of the groove's round end: the edge of the pin between its
+        contacts with both flanks.
 
-        Parameters
-        ----------
-        at_end : bool
-            True: the end beyond the upper stop. False: the end beyond the lower stop.
-        share : array_like
-            Places along the round end: 0 at the upper flank, 1 at the lower flank.
-        radius : float, optional
-            Radius of the cylinder [m]; that of the cam if not given.
-
-        Returns
-        -------
-        Curve
-            Points of the shape of `share`.
+        `at_end`: the end beyond the upper stop, else beyond the lower one. `share`: places along the round
+        end, 0 at the upper flank, 1 at the lower. `radius` of the cylinder [m]; that of the cam if not given.
         """
         rho = self.radius if radius is None else radius
         psi = self.end if at_end else self.begin
@@ -230,20 +197,10 @@ class GrooveCut:
         return Curve(psi + edge.angle, point.z + edge.height)
 
     def angle(self, psi: ArrayLike, end: int = 0) -> Array:
-        """Angle about the cam's axis.
+        """The angle on the body of the cam [rad], counterclockwise seen from +z, 0 at the mark of the cam.
 
-        Parameters
-        ----------
-        psi : array_like
-            Angle along the groove [rad].
-        end : int
-            Which end of the pin: a pin with two ends has a second groove, half a turn apart.
-
-        Returns
-        -------
-        ndarray
-            Angle on the body of the cam [rad], counterclockwise seen from +z; 0 is the mark of the cam, where
-            the first end of the pin is at theta = 0.
+        At the mark the first end of the pin is at theta = 0. `psi`: angle along the groove [rad]. `end`:
+        which end of the pin: a pin with two ends has a second groove, half a turn apart.
         """
         return self.hand * real_array(psi, "psi", DesignError) + 2.0 * math.pi * end / self.mechanism.contacts
 
@@ -270,8 +227,8 @@ class GrooveCut:
             )
 
     def require_no_undercut(self, radius: float) -> None:
-        """DesignError if a flank folds on the cylinder of this radius [m]. The message names the place and
-        the greatest pin that works."""
+        """DesignError if a flank folds on the cylinder of a `radius` [m]. The message names the place and the
+        greatest pin that works."""
         psi = np.linspace(*self.travel, POINTS)
         path = self.centre(psi)
         bend = path.d2z_dpsi2 * radius / np.hypot(radius, path.slope) ** 3
@@ -301,7 +258,7 @@ class GrooveCut:
 
     def require_walls(self, radius: float) -> None:
         """DesignError where the grooves of both ends of the pin, or turns of one groove, run into one another
-        on the cylinder of this radius [m].
+        on the cylinder of a `radius` [m].
 
         Two sections of the pin, at two places, overlap if the middle between the places is inside a section:
         the section is convex and symmetric about its centre."""

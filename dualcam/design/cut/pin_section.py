@@ -33,21 +33,7 @@ class Contact(NamedTuple):
 
 
 def contact(slope: ArrayLike, pin_radius: float, radius: ArrayLike) -> Contact:
-    """The point of the pin on the upper flank.
-
-    Parameters
-    ----------
-    slope : array_like
-        dz/dpsi of the path of the pin's axis [m/rad].
-    pin_radius : float
-        Radius p of the pin [m], less than `radius`.
-    radius : array_like
-        Radius rho of the cylinder on which the flank is sought [m].
-
-    Returns
-    -------
-    Contact
-        Of the shape of `slope` and `radius`, broadcast.
+    """The point of the pin on the upper flank of a path of slope dz/dpsi [m/rad], for arrays that broadcast.
     """
     cosine, sine = _direction(slope, pin_radius, radius)
     rho = np.asarray(radius, dtype=float)

@@ -19,22 +19,8 @@ Curves = Callable[
 
 
 def places(cut: GrooveCut, curves: Curves, most: float = CHORD_ERROR, intervals: int = 1) -> Array:
-    """Angles psi along a groove, both stops among them.
-
-    Parameters
-    ----------
-    cut : GrooveCut
-    curves : callable
-        Gives the points of the curves that are joined by straight lines.
-    most : float
-        Greatest distance of a curve from its line [m].
-    intervals : int
-        Least number of intervals between the stops.
-
-    Returns
-    -------
-    ndarray, shape (n,)
-        psi [rad], increasing.
+    """Angles psi [rad] along a groove, increasing, both stops among them, with the curves at most `most` [m]
+    from their straight lines.
     """
     psi = np.unique([cut.begin, *np.linspace(*cut.travel, intervals + 1), cut.end])
     while True:

@@ -96,14 +96,11 @@ class SampledBand:
 
     Attributes
     ----------
-    load, release : ndarray
+    load, release
         Edges of the stick band [N.m]: +inf where a mechanism jams, release <= 0 where it locks itself.
-    efficiency : ndarray
-        release over load [1].
-    z : ndarray
-        Height of the pin [m].
-    backlash : ndarray
-        Play of cam 2 where the axial force changes its sign [rad].
+    efficiency : release over load [1].
+    z : Height of the pin [m].
+    backlash : Play of cam 2 where the axial force changes its sign [rad].
     """
 
     load: Array
@@ -181,25 +178,8 @@ class _Flank:
 
 
 def sampled_band(mechanism: Mechanism, values: Values, theta: Array) -> SampledBand:
-    """The torque band of each sample.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        Nominal values of all other parameters, and the groove laws.
-    values : Mapping of str to ndarray, shape (samples,)
-        Parameters by name. Complex values give complex results.
-    theta : ndarray, shape (n,)
-        Angles [rad].
-
-    Returns
-    -------
-    SampledBand
-
-    Raises
-    ------
-    DesignError
-        Samples whose grooves do not reach to an angle.
+    """The torque band of each sample at the angles `theta`, of parameters `values`, complex ones too.
+    DesignError: grooves that do not reach to an angle.
     """
     first, second = (_SampledGroove(groove, i, values) for i, groove in enumerate(mechanism.grooves, 1))
     one, two = _settle(first, second, values, theta)

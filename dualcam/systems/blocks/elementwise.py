@@ -18,17 +18,7 @@ Number = TypeVar("Number", float, Array)
 
 
 def sine(angle: Number) -> Number:
-    """The sine.
-
-    Parameters
-    ----------
-    angle : float or ndarray
-        Angle [rad].
-
-    Returns
-    -------
-    float or ndarray
-        Its sine.
+    """The sine of an `angle` [rad].
 
     Examples
     --------
@@ -40,17 +30,7 @@ def sine(angle: Number) -> Number:
 
 
 def cosine(angle: Number) -> Number:
-    """The cosine.
-
-    Parameters
-    ----------
-    angle : float or ndarray
-        Angle [rad].
-
-    Returns
-    -------
-    float or ndarray
-        Its cosine.
+    """The cosine of an `angle` [rad].
 
     Examples
     --------
@@ -62,17 +42,7 @@ def cosine(angle: Number) -> Number:
 
 
 def extremes(kind: Number) -> tuple[Callable[..., Number], Callable[..., Number]]:
-    """The functions min and max of two values.
-
-    Parameters
-    ----------
-    kind : float or ndarray
-        A value as they will get.
-
-    Returns
-    -------
-    tuple of two callables
-        min and max, of NumPy where `kind` is an array.
+    """The functions min and max of two values, those of NumPy where `kind` is an array.
 
     Examples
     --------
@@ -85,19 +55,7 @@ def extremes(kind: Number) -> tuple[Callable[..., Number], Callable[..., Number]
 
 
 def limited(value: Number, lowest: Number | float, highest: Number | float) -> Number:
-    """The value, cut at both limits.
-
-    Parameters
-    ----------
-    value : float or ndarray
-        The value.
-    lowest, highest : float or ndarray
-        The limits.
-
-    Returns
-    -------
-    float or ndarray
-        Of the shape of the value.
+    """The `value`, cut at the limits `lowest` and `highest`.
 
     Examples
     --------

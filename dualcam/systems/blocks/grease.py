@@ -44,25 +44,10 @@ COLDEST, HOTTEST = CELSIUS, CELSIUS + 120.0  # K, where the law is used
 
 
 def check_number(name: str, value: float, least: float, unit: str, *, above: bool = False) -> None:
-    """Refuse a value that is not finite or too small.
+    """Refuse with a DesignError a value that is not finite or too small.
 
-    Parameters
-    ----------
-    name : str
-        What the value is, for the message.
-    value : float
-        The value.
-    least : float
-        The least allowed value.
-    unit : str
-        Unit of the value, for the message.
-    above : bool
-        Whether the least value itself is refused, too.
-
-    Raises
-    ------
-    DesignError
-        The value is refused.
+    `name` and `unit` of the `value` are for the message. `least`: the least allowed value; `above`: refuse
+    this one, too.
 
     Examples
     --------
@@ -82,19 +67,10 @@ def _is_finite(value: object) -> bool:
 
 
 def check_temperature(name: str, value: float) -> None:
-    """Refuse a temperature that is no number, or so low that degrees Celsius are meant.
+    """Refuse with a DesignError a temperature `value` [K] that is no number, or so low that degrees Celsius
+    are meant.
 
-    Parameters
-    ----------
-    name : str
-        What the value is, for the message.
-    value : float
-        The temperature [K].
-
-    Raises
-    ------
-    DesignError
-        The value is refused.
+    `name`: what the value is, for the message.
 
     Examples
     --------
@@ -115,17 +91,13 @@ class BaseOil:
 
     Parameters
     ----------
-    viscosity_40 : float
-        Kinematic viscosity at 40 degC [mm2/s].
-    viscosity_100 : float
-        Kinematic viscosity at 100 degC [mm2/s], above 1 and below that at 40 degC.
-    density : float
-        Density [kg/m3].
+    viscosity_40 : Kinematic viscosity at 40 degC [mm2/s].
+    viscosity_100 : Kinematic viscosity at 100 degC [mm2/s], above 1 and below that at 40 degC.
+    density : Density [kg/m3].
 
     Raises
     ------
-    DesignError
-        A value is not finite or not in its range.
+    DesignError : A value is not finite or not in its range.
 
     Examples
     --------
@@ -163,22 +135,9 @@ class BaseOil:
         return float(10.0 ** (10.0 ** (at_40 + share * (at_100 - at_40))) - 0.7)
 
     def viscosity(self, temperature: float) -> float:
-        """Dynamic viscosity by Vogel's law.
+        """Dynamic viscosity by Vogel's law [Pa.s].
 
-        Parameters
-        ----------
-        temperature : float
-            Temperature [K], from 0 to 120 degC.
-
-        Returns
-        -------
-        float
-            Viscosity [Pa.s].
-
-        Raises
-        ------
-        DesignError
-            The temperature is outside that range.
+        `temperature` [K], from 0 to 120 degC. DesignError: the temperature is outside that range.
         """
         check_temperature("temperature", temperature)
         if not COLDEST <= temperature <= HOTTEST:
@@ -190,22 +149,9 @@ class BaseOil:
         return a * math.exp(b / (temperature - c))
 
     def relative_viscosity(self, temperature: float) -> float:
-        """Viscosity over that at 40 degC.
+        """Viscosity over that at 40 degC: eta(T)/eta(40 degC) [1].
 
-        Parameters
-        ----------
-        temperature : float
-            Temperature [K], from 0 to 120 degC.
-
-        Returns
-        -------
-        float
-            eta(T)/eta(40 degC) [1].
-
-        Raises
-        ------
-        DesignError
-            The temperature is outside that range.
+        `temperature` [K], from 0 to 120 degC. DesignError: the temperature is outside that range.
         """
         return self.viscosity(temperature) / self.viscosity(REFERENCE)
 
@@ -216,21 +162,15 @@ class GreasedContact:
 
     Parameters
     ----------
-    oil : BaseOil
-        The base oil of the grease.
-    kinetic : float
-        Kinetic coefficient mu_k of the boundary layer [1].
-    peak : float
-        Static over kinetic coefficient [1].
-    stribeck_velocity : float
-        v_s at 40 degC [m/s].
-    viscous : float
-        Slope mu_v of the lubricated branch at 40 degC [s/m].
+    oil : The base oil of the grease.
+    kinetic : Kinetic coefficient mu_k of the boundary layer [1].
+    peak : Static over kinetic coefficient [1].
+    stribeck_velocity : v_s at 40 degC [m/s].
+    viscous : Slope mu_v of the lubricated branch at 40 degC [s/m].
 
     Raises
     ------
-    DesignError
-        A value is not finite or too small.
+    DesignError : A value is not finite or too small.
 
     Examples
     --------
@@ -253,67 +193,28 @@ class GreasedContact:
         check_number("viscous", self.viscous, 0.0, "s/m")
 
     def law(self, temperature: float) -> tuple[float, float]:
-        """The two coefficients that move with the temperature.
+        """The two coefficients that move with the temperature: Stribeck velocity [m/s] and slope of the
+        lubricated branch [s/m].
 
-        Parameters
-        ----------
-        temperature : float
-            Temperature [K], from 0 to 120 degC.
-
-        Returns
-        -------
-        tuple of float
-            Stribeck velocity [m/s] and slope of the lubricated branch [s/m].
-
-        Raises
-        ------
-        DesignError
-            The temperature is outside that range.
+        `temperature` [K], from 0 to 120 degC. DesignError: the temperature is outside that range.
         """
         ratio = self.oil.relative_viscosity(temperature)
         return self.stribeck_velocity / ratio, self.viscous * ratio
 
     def coefficient(self, speed: float, temperature: float) -> float:
-        """The friction coefficient of a sliding contact.
+        """The friction coefficient of a sliding contact: mu(v, T) [1].
 
-        Parameters
-        ----------
-        speed : float
-            Sliding speed [m/s], >= 0; 0: at rest.
-        temperature : float
-            Temperature [K], from 0 to 120 degC.
-
-        Returns
-        -------
-        float
-            mu(v, T) [1].
-
-        Raises
-        ------
-        DesignError
-            The temperature is outside that range.
+        `speed`: sliding speed [m/s], >= 0; 0: at rest. `temperature` [K], from 0 to 120 degC. DesignError:
+        the temperature is outside that range.
         """
         stribeck_velocity, viscous = self.law(temperature)
         fall = math.exp(-((speed / stribeck_velocity) ** 2))
         return self.kinetic * (1.0 + (self.peak - 1.0) * fall) + viscous * speed
 
     def parameters(self, temperature: float) -> Mapping[str, float]:
-        """The FMU's parameters for both grooves.
+        """The FMU's parameters for both grooves, by name.
 
-        Parameters
-        ----------
-        temperature : float
-            Temperature [K], from 0 to 120 degC.
-
-        Returns
-        -------
-        mapping of str to float
-            Values by the names of the FMU's parameters.
-
-        Raises
-        ------
-        DesignError
-            The temperature is outside that range.
+        `temperature` [K], from 0 to 120 degC. DesignError: the temperature is outside that range.
         """
         stribeck_velocity, viscous = self.law(temperature)
         values = {

@@ -24,12 +24,9 @@ class Gains(NamedTuple):
 
     Parameters
     ----------
-    angle : float
-        Of the angle's error [1/s2].
-    speed : float
-        Of the speed's error [1/s].
-    integral : float
-        Of the integral of the angle's error [1/s3].
+    angle : Of the angle's error [1/s2].
+    speed : Of the speed's error [1/s].
+    integral : Of the integral of the angle's error [1/s3].
     """
 
     angle: float
@@ -38,19 +35,9 @@ class Gains(NamedTuple):
 
 
 def lqi_gains(bandwidth: float, period: float) -> Gains:
-    """Gains for a double integrator theta'' = u, sampled.
+    """Gains of a double integrator theta'' = u, sampled, for every inertia M: torque = M u.
 
-    Parameters
-    ----------
-    bandwidth : float
-        Radius of the poles over 2 pi [Hz]: the whole tuning.
-    period : float
-        Period of the controller [s].
-
-    Returns
-    -------
-    Gains
-        For every inertia M: torque = M u.
+    `bandwidth`: radius of the poles over 2 pi [Hz], the whole tuning. `period` of the controller [s].
 
     Notes
     -----
@@ -88,12 +75,9 @@ class RestLimits:
 
     Parameters
     ----------
-    tolerance : float
-        Largest error of the angle [rad]; twice that once the joint rests.
-    speed : float
-        Largest speed [rad/s].
-    margin : float
-        Share of the band's half width between a held load and the band's edge [1].
+    tolerance : Largest error of the angle [rad]; twice that once the joint rests.
+    speed : Largest speed [rad/s].
+    margin : Share of the band's half width between a held load and the band's edge [1].
     """
 
     tolerance: float
@@ -106,20 +90,13 @@ class PositionController:
 
     Parameters
     ----------
-    inertia : float
-        Inertia of the joint [kg.m2].
-    load : GravityLoad
-        The load.
-    cam : HelicalCam
-        The cam.
-    torque_limit : float
-        Largest torque of the motor at the output [N.m].
-    gains : Gains
-        Feedback.
-    rest : RestLimits
-        When the joint may rest.
-    period : float
-        Period of the controller [s].
+    inertia : Inertia of the joint [kg.m2].
+    load : The load.
+    cam : The cam.
+    torque_limit : Largest torque of the motor at the output [N.m].
+    gains : Feedback.
+    rest : When the joint may rest.
+    period : Period of the controller [s].
     """
 
     def __init__(
@@ -145,21 +122,10 @@ class PositionController:
     def torque(
         self, angle: float, speed: float, reference: tuple[float, float], next_reference: tuple[float, float]
     ) -> float:
-        """The motor's torque for the coming period.
+        """The motor's torque [N.m] for the coming period, as `AxisController.torque`.
 
-        Parameters
-        ----------
-        angle, speed : float
-            Of the joint [rad, rad/s].
-        reference : tuple of float
-            Planned angle [rad] and speed [rad/s] at the beginning of the period.
-        next_reference : tuple of float
-            Planned angle and speed at the end of the period.
-
-        Returns
-        -------
-        float
-            Torque at the output [N.m].
+        `angle`, `speed`: measured state [rad, rad/s]. `reference`, `next_reference`: planned angle [rad] and
+        speed [rad/s] at the beginning and at the end of the period.
         """
         error, rate = angle - reference[0], speed - reference[1]
         advance = next_reference[0] - reference[0]

@@ -18,17 +18,7 @@ ELBOW_SPEED_LIMIT = math.radians(180.0)  # rad/s
 
 
 def arm_moment(payload: Number) -> Number:
-    """The first moment of the arm about the elbow.
-
-    Parameters
-    ----------
-    payload : float or ndarray, shape (count,)
-        Mass of the payload [kg].
-
-    Returns
-    -------
-    float or ndarray, shape (count,)
-        First moment [kg.m].
+    """The first moment of the arm about the elbow [kg.m] with a mass `payload` [kg], float or shape (count,).
 
     Notes
     -----
@@ -47,17 +37,8 @@ def arm_moment(payload: Number) -> Number:
 
 
 def arm_inertia(payload: Number) -> Number:
-    """The inertia of the arm about the elbow, without the rotor.
-
-    Parameters
-    ----------
-    payload : float or ndarray, shape (count,)
-        Mass of the payload [kg].
-
-    Returns
-    -------
-    float or ndarray, shape (count,)
-        Inertia [kg.m2].
+    """The inertia of the arm about the elbow [kg.m2], without the rotor, with a mass `payload` [kg], float or
+    shape (count,).
 
     Notes
     -----
@@ -71,16 +52,7 @@ def arm_inertia(payload: Number) -> Number:
 def arm_weight(payload: Number, lean: float) -> GravityLoad[Number]:
     """The arm's weight on the elbow.
 
-    Parameters
-    ----------
-    payload : float or ndarray, shape (count,)
-        Mass of the payload [kg].
-    lean : float
-        The arm's angle from upright at theta = 0 [rad].
-
-    Returns
-    -------
-    GravityLoad
-        The weight.
+    `payload`: its mass [kg], float or shape (count,). `lean`: the arm's angle from upright at theta = 0
+    [rad].
     """
     return GravityLoad(moment=arm_moment(payload), lean=lean)
