@@ -45,8 +45,7 @@ class Design:
 
     def torque(self, theta: ArrayLike) -> Array:
         """Torque of slow motion in the wanted direction [N.m], as in the FMU, at angles `theta` of cam 2
-        [rad].
-        """
+        [rad]."""
         return self.mechanism.torque(theta, self.direction)
 
     def error(self, theta: ArrayLike) -> Array:

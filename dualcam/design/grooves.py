@@ -31,18 +31,11 @@ Numbers = float | NDArray[Any]
 
 
 class Point(NamedTuple):
-    """A groove law at one angle or at many.
+    """A groove law at one angle or at many."""
 
-    Attributes
-    ----------
-    z : Height [m], of the shape of psi.
-    slope : dz/dpsi [m/rad].
-    d2z_dpsi2 : Second derivative [m/rad2].
-    """
-
-    z: Array
-    slope: Array
-    d2z_dpsi2: Array
+    z: Array  # height [m], of the shape of psi
+    slope: Array  # dz/dpsi [m/rad]
+    d2z_dpsi2: Array  # second derivative [m/rad2]
 
 
 class Groove(Protocol):
@@ -145,8 +138,7 @@ def ellipse_law(
     psi: NDArray[Any], radius: Numbers, start: Numbers, a: Numbers, b: Numbers, bending: int
 ) -> Point:
     """The groove that unwraps to an arc of an ellipse, from S = `start` at psi = 0 on, for arrays that
-    broadcast, also complex ones. `bending` is +1 where the groove steepens.
-    """
+    broadcast, also complex ones. `bending` is +1 where the groove steepens."""
     rate = bending * radius / a
     u = rate * psi
     S, C0 = start + u, np.sqrt(1.0 - start**2)

@@ -226,8 +226,7 @@ class HelicalSpring:
 
     def static_safety(self, force: float) -> float:
         """Safety against setting [1]: allowed over uncorrected shear stress under the largest `force` [N];
-        infinite at 0 N.
-        """
+        infinite at 0 N."""
         return self.allowed_stress / self.stress(force) if force > 0.0 else math.inf
 
     def fatigue(self, least: float, largest: float) -> Fatigue:

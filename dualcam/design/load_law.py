@@ -72,8 +72,7 @@ class LoadSamples:
 
     def factor(self, load: Values) -> Values:
         """Factor [1] at nominal loads of one contact [N], of the shape of `load`; beyond the table the last
-        one.
-        """
+        one."""
         first, last = self._spline.x[[0, -1]]
         with np.errstate(divide="ignore"):
             place = np.log(np.abs(load.real))
@@ -89,8 +88,7 @@ def friction_under(
     friction: Pair, laws: Sequence[LoadLaw | None], slope: Pair, radius: Pair, force_per_contact: Values
 ) -> Pair:
     """Coefficients of friction at rest [1] under an axial force, by the load `laws` of both contacts (None:
-    none).
-    """
+    none)."""
     if not any(laws):
         return friction
     loads = transfer(slope, (0.0, 0.0), radius, 0).reaction * force_per_contact

@@ -67,20 +67,12 @@ class Spring:
 
 
 class Configuration(NamedTuple):
-    """Position of the pin at given theta.
+    """Position of the pin at given theta."""
 
-    Attributes
-    ----------
-    psi : Angles gamma and phi = theta - gamma along the grooves [rad], shape (2, ...).
-    z : Lift [m].
-    slope : a_i = dz/dpsi at psi_i [m/rad], shape (2, ...).
-    d2z_dpsi2 : g_i'' at psi_i [m/rad2], shape (2, ...).
-    """
-
-    psi: Array
-    z: Array
-    slope: Array
-    d2z_dpsi2: Array
+    psi: Array  # angles gamma and phi = theta - gamma along the grooves [rad], shape (2, ...)
+    z: Array  # lift [m]
+    slope: Array  # a_i = dz/dpsi at psi_i [m/rad], shape (2, ...)
+    d2z_dpsi2: Array  # g_i'' at psi_i [m/rad2], shape (2, ...)
 
 
 @dataclass(frozen=True)
@@ -201,8 +193,7 @@ class Mechanism:
 
     def band(self, theta: ArrayLike) -> tuple[Array, Array]:
         """The edges of the stick band [N.m] at `theta` [rad]: the FMU's `torque_release` and `torque_load`.
-        F_s must be > 0.
-        """
+        F_s must be > 0."""
         configuration = self.configuration(theta)
         force = self.spring.force(configuration.z)
         (release, load), _ = self.edges(configuration.slope, force)
@@ -210,8 +201,7 @@ class Mechanism:
 
     def friction_under(self, slope: Pair, force: Array) -> Pair:
         """Coefficients of friction at rest [1] on grooves of `slope` dz/dpsi [m/rad] under an axial `force`
-        [N].
-        """
+        [N]."""
         return friction_under(self.friction, self.load_laws, slope, self.radius, force / self.contacts)
 
     def edges(self, slope: Pair, force: Array) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
@@ -224,8 +214,7 @@ class Mechanism:
 
     def curvature(self, theta: ArrayLike) -> Array:
         """Curvature of both unwrapped grooves where the pin is [1/m], shape (2, ...). `theta`: angle of cam 2
-        [rad].
-        """
+        [rad]."""
         psi = self.configuration(theta).psi
         return np.stack([curvature(groove, psi[i]) for i, groove in enumerate(self.grooves)])
 
@@ -237,8 +226,7 @@ class Mechanism:
 
     def parameters(self, directory: str | Path) -> dict[str, float | int | str]:
         """The FMU's parameters: start values for `Fmu.start`. `directory`: for tables, `groove1.csv` and
-        `groove2.csv`.
-        """
+        `groove2.csv`."""
         found: dict[str, float | int | str] = {**self.parameters_without_tables()}
         for i, groove in enumerate(self.grooves, 1):
             if isinstance(groove, Table):
@@ -250,8 +238,7 @@ class Mechanism:
 
 def meeting(first: Groove, second: Groove, theta: Array) -> Array:
     """The angle gamma [rad] at which both grooves have the same height; an end of the grooves where they do
-    not meet.
-    """
+    not meet."""
     low = np.maximum(first.range[0], theta - second.range[1])
     high = np.minimum(first.range[1], theta - second.range[0])
     # both grooves rise, so gamma is not outside [0, theta], but for rounding

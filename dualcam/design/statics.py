@@ -54,26 +54,18 @@ def sign_of(direction: str) -> int:
 
 @dataclass(frozen=True)
 class Transfer:
-    """Torque and reactions per newton of the axial force F, for one choice of flanks.
+    """Torque and reactions per newton of the axial force F, for one choice of flanks."""
 
-    Attributes
-    ----------
-    rho : Torque over F [m].
-    reaction : Normal force of all contacts in each groove over F [1], shape (2, ...).
-    regular : Whether both reactions have the signs of their flanks, and none is infinite.
-    """
-
-    rho: Array
-    reaction: Array
-    regular: NDArray[np.bool_]
+    rho: Array  # torque over F [m]
+    reaction: Array  # normal force of all contacts in each groove over F [1], shape (2, ...)
+    regular: NDArray[np.bool_]  # whether both reactions have the signs of their flanks, and none is infinite
 
 
 def transfer(
     slope: Pair, friction: Pair, radius: Pair, sign: int, flank: tuple[int, int] = (1, 1)
 ) -> Transfer:
     """Torque and reactions per newton of the axial force F, by the formulas at the head of this file, where
-    `Transfer.regular`. `flank`: +1 where the pin bears on the flank that supports F.
-    """
+    `Transfer.regular`. `flank`: +1 where the pin bears on the flank that supports F."""
     given = [np.asarray(one) for pair in (slope, friction, radius) for one in pair]
     kind = np.result_type(float, *given)  # complex for derivatives by a complex step
     parts = np.broadcast_arrays(*(one.astype(kind) for one in given))
@@ -113,8 +105,7 @@ def band_factors(slope: Pair, friction: Pair, radius: Pair) -> tuple[Array, Arra
 
 def band(slope: Pair, friction: Pair, radius: Pair) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
     """The factors (release, load) of `band_factors` [m], and the normal forces over F that belong to them
-    [1], shape (2, ...) each.
-    """
+    [1], shape (2, ...) each."""
     loading = transfer(slope, friction, radius, 1)
     load = np.where(loading.regular, loading.rho, np.inf)
     push = np.where(loading.regular, loading.reaction, np.inf)

@@ -26,8 +26,7 @@ MOST_DOUBTFUL = 1000  # samples; more would give no table of a groove
 
 def wanted_torque(torque: WantedTorque, angles: Array) -> Torque:
     """The wanted torque as a function that takes arrays of theta: a number, a function, or the spline through
-    samples, which is tried at `angles`. DesignError for what is no torque at each of them.
-    """
+    samples, which is tried at `angles`. DesignError for what is no torque at each of them."""
     if isinstance(torque, Real) and not isinstance(torque, bool):
         return _constant(float(real_array(torque, "torque", DesignError)))
     if callable(torque):

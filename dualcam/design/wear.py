@@ -146,8 +146,7 @@ class Wear:
 
     def pin_depth(self, cycles: float) -> Array:
         """Depth of wear on the pin in groove 1 and in groove 2 [m], shape (2,), after a number of `cycles`,
-        >= 0.
-        """
+        >= 0."""
         area = _count(cycles) * self.pin_volume / self.pin.width
         if self.turns:
             return np.asarray(area / (2.0 * math.pi * self.pin.radius))

@@ -27,8 +27,7 @@ def observation_space(task: Task) -> gymnasium.Space[Array]:
 
 def action_space() -> gymnasium.Space[Array]:
     """The space of all tasks' actions: the torque asked of the motor over its peak torque, -1 to 1, shape
-    (1,).
-    """
+    (1,)."""
     return gymnasium.spaces.Box(-1.0, 1.0, (1,), dtype=np.float64)
 
 

@@ -207,8 +207,7 @@ def design_cam() -> EllipticalCam:
 @cache
 def most_drive() -> float:
     """A bound of the torque of gravity and of the thigh's motion [N.m], larger than all at the heaviest
-    shank.
-    """
+    shank."""
     planned, body = curves(), WALKER.pendulum
     turning, ahead, above = (
         float(np.max(np.abs(c))) for c in (planned.turning, planned.ahead, planned.above)

@@ -46,19 +46,12 @@ def torque_entry(motor: Motor) -> Quantity:
 
 
 class Motion(NamedTuple):
-    """The axis and its motor at the end of a step, arrays of shape (count,).
+    """The axis and its motor at the end of a step, arrays of shape (count,)."""
 
-    Parameters
-    ----------
-    angle, speed : State of the axis [rad, rad/s].
-    torque : Torque of the motor, mean of the last control period [N.m].
-    period : Control periods since the begin of the episode.
-    """
-
-    angle: Array
-    speed: Array
-    torque: Array
-    period: NDArray[np.int64]
+    angle: Array  # of the axis [rad]
+    speed: Array  # of the axis [rad/s]
+    torque: Array  # torque of the motor, mean of the last control period [N.m]
+    period: NDArray[np.int64]  # control periods since the begin of the episode
 
 
 @dataclass(frozen=True)
@@ -108,8 +101,7 @@ class Task(ABC):
     @abstractmethod
     def start_values(self, scene: Scene) -> dict[str, Array]:
         """Start values of the FMU by name, shape (count,) each, that follow from the drawn `scene`, without
-        the angle.
-        """
+        the angle."""
 
     @abstractmethod
     def load_torque(self, scene: Scene, angle: Array, period: NDArray[np.int64]) -> Array:
@@ -130,8 +122,7 @@ class Task(ABC):
     @abstractmethod
     def observe(self, scene: Scene, motion: Motion) -> Array:
         """What a policy sees of a `scene` and a `motion`, in the order of `observations`, shape (count,
-        entries).
-        """
+        entries)."""
 
     def is_over(self, scene: Scene, period: NDArray[np.int64]) -> NDArray[np.bool_]:
         """Whether the task has come to its own end in a `scene` of `draw`, shape (count,). Default: never.
@@ -157,6 +148,5 @@ def check_range(name: str, over: object, least: float, most: float, unit: str) -
 
 def highest_speed(torque: float, travel: float, inertia: float) -> float:
     """A speed [rad/s] that an axis between two end stops cannot exceed: it turns back at zero speed, so all
-    energy comes from one way of `travel` [rad] under at most `torque` [N.m].
-    """
+    energy comes from one way of `travel` [rad] under at most `torque` [N.m]."""
     return math.sqrt(2.0 * torque * travel / inertia)

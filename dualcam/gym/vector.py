@@ -177,8 +177,7 @@ class TaskVectorEnv(VectorEnv[Array, Array, NDArray[Any]]):
 
 def masked(values: Mapping[str, Array], chosen: Flags) -> Infos:
     """The infos of the chosen instances as gymnasium gives them: 0 for the others, and "_" and the name for
-    who has it.
-    """
+    who has it."""
     if not chosen.any():
         return {}
     infos: Infos = {}
@@ -189,8 +188,7 @@ def masked(values: Mapping[str, Array], chosen: Flags) -> Infos:
 
 def final_infos(seen: Array, infos: Infos, ended: Flags) -> Infos:
     """The infos of a step after which the `ended` episodes begin anew at once: "final_obs" and "final_info"
-    of these.
-    """
+    of these."""
     last = np.full(len(ended), None, dtype=object)
     for i in np.flatnonzero(ended):
         last[i] = seen[i].copy()

@@ -70,8 +70,7 @@ def ambiguities_of(
 
 def exchangeable_cams(model: TorqueModel, solution: Solution, unknowns: Sequence[Unknown]) -> list[Ambiguity]:
     """Pairs of values, one of each cam, that can be swapped without a change of the torque. Derivatives do
-    not show such a pair: the error has two equal minima, and each is narrow.
-    """
+    not show such a pair: the error has two equal minima, and each is narrow."""
     names = [unknown.name for unknown in unknowns]
     pairs = [name.partition(".")[2] for name in names if name.startswith(f"{CAMS[0]}.")]
     pairs = [last for last in pairs if f"{CAMS[1]}.{last}" in names]

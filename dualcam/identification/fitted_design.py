@@ -20,8 +20,7 @@ if TYPE_CHECKING:
 
 def write_fitted(found: Fit, path: str | Path) -> Path:
     """Write the design file with the fitted values to `path`; relative paths of groove tables count from its
-    folder. IdentificationError or DesignFileError for what must not be written.
-    """
+    folder. IdentificationError or DesignFileError for what must not be written."""
     path = path_of(path, "the fitted design")
     source = found.design.path
     if path.resolve() == source.resolve():

@@ -48,44 +48,26 @@ LEAST_SHARE = 1e-6  # part of a column that the fitted values do not explain; le
 
 @dataclass(frozen=True)
 class Missing:
-    """A value outside of the fit that the residuals ask for.
+    """A value outside of the fit that the residuals ask for."""
 
-    Attributes
-    ----------
-    name : As in `fit`.
-    unit : Unit, "1" for a plain number.
-    held : Value in the fit.
-    change : Change that the residuals ask for, by one linear step.
-    half_width : Half of the 95 % interval of `change`.
-    drop : Part of the sum of squares that the change explains, 0 to 1.
-    """
-
-    name: str
-    unit: str
-    held: float
-    change: float
-    half_width: float
-    drop: float
+    name: str  # as in `fit`
+    unit: str  # unit, "1" for a plain number
+    held: float  # value in the fit
+    change: float  # change that the residuals ask for, by one linear step
+    half_width: float  # half of the 95 % interval of `change`
+    drop: float  # part of the sum of squares that the change explains, 0 to 1
 
 
 @dataclass(frozen=True)
 class Lever:
-    """A fitted value that a small error of a held value changes strongly.
+    """A fitted value that a small error of a held value changes strongly."""
 
-    Attributes
-    ----------
-    name, held_name : The fitted value and the held one.
-    held : The held value.
-    change : Change of the fitted value by 10 % of the held value.
-    unit, held_unit : Units, "1" for a plain number.
-    """
-
-    name: str
-    unit: str
-    change: float
-    held_name: str
+    name: str  # the fitted value
+    unit: str  # of the fitted value, "1" for a plain number
+    change: float  # change of the fitted value by 10 % of the held value
+    held_name: str  # the held value
     held: float
-    held_unit: str
+    held_unit: str  # of the held value, "1" for a plain number
 
     @property
     def held_text(self) -> str:

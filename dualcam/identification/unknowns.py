@@ -56,8 +56,7 @@ def fitted_names() -> dict[str, tuple[str, ...]]:
 
 def names_without_effect(design: DesignFile) -> dict[str, str]:
     """Names that cannot act on the torque of this design, each with the reason: the end of a sentence that
-    begins with the name.
-    """
+    begins with the name."""
     reasons = {key: reason for key in fitted_names() if (reason := _reason(design, key))}
     for name, keys in fitted_names().items():
         if len(keys) > 1 and all(key in reasons for key in keys):
@@ -93,8 +92,7 @@ def _can_be_fitted(variable: SettableVariable) -> bool:
 
 def unknowns_of(design: DesignFile, names: Sequence[str] = DEFAULT) -> list[Unknown]:
     """The numbers to be fitted, with the values of the design as start. `friction` and the like are one value
-    of both cams. IdentificationError for names that cannot be fitted.
-    """
+    of both cams. IdentificationError for names that cannot be fitted."""
     names = _listed(names)
     if not names:
         raise IdentificationError("no parameter to fit: name one or more, such as friction, spring.preload")

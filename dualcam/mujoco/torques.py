@@ -33,17 +33,11 @@ TOLERANCE = 1e-13  # of the largest torque, for the change in a sweep
 
 
 class FreeMotion(NamedTuple):
-    """The ends of the shafts at the joints after a step without the shafts' torques, seen from the cams.
+    """The ends of the shafts at the joints after a step without the shafts' torques, seen from the cams."""
 
-    Parameters
-    ----------
-    angle, speed : Angles [rad] and speeds [rad/s] at the end of the step, shape (count, n).
-    mobility : Accelerations per torque [rad/s2 per N.m], shape (count, n, n).
-    """
-
-    angle: Array
-    speed: Array
-    mobility: Array
+    angle: Array  # at the end of the step [rad], shape (count, n)
+    speed: Array  # at the end of the step [rad/s], shape (count, n)
+    mobility: Array  # accelerations per torque [rad/s2 per N.m], shape (count, n, n)
 
 
 class ShaftLaw(Protocol):
@@ -56,25 +50,17 @@ class ShaftLaw(Protocol):
 
     def torque(self, mobility: Array, given: Array | float) -> Array:
         """The torque on the cam [N.m], shape (count,), of a mobility a_ii [rad/s2 per N.m] and c_i times the
-        sum over the other shafts, `given` [N.m].
-        """
+        sum over the other shafts, `given` [N.m]."""
         ...
 
 
 class CamLaw(NamedTuple):
-    """Friction holds the cam at x while the torque is inside the stick band; at an edge the cam slips.
+    """Friction holds the cam at x while the torque is inside the stick band; at an edge the cam slips."""
 
-    Parameters
-    ----------
-    source : K (p - x), the torque if the joint did not give way [N.m], shape (count,).
-    coupling : c of the module's text [N.m.s2/rad].
-    lower, upper : Edges of the stick band at x, shape (count,); infinite where a stop carries the cam [N.m].
-    """
-
-    source: Array
-    coupling: float
-    lower: Array
-    upper: Array
+    source: Array  # K (p - x), the torque if the joint did not give way [N.m], shape (count,)
+    coupling: float  # c of the module's text [N.m.s2/rad]
+    lower: Array  # edge of the stick band at x [N.m], shape (count,); infinite where a stop carries the cam
+    upper: Array  # likewise
 
     def torque(self, mobility: Array, given: Array | float) -> Array:
         """The torque on the cam, as `ShaftLaw.torque`."""
@@ -136,8 +122,7 @@ class DriveLaw(NamedTuple):
 
 def shaft_torques(laws: Sequence[ShaftLaw], mobility: Array, start: Array) -> Array:
     """The torques of the shafts on the cams [N.m], shape (count, n), that satisfy all laws at once, iterated
-    from `start`. `mobility`: accelerations per torque [rad/s2 per N.m], shape (count, n, n).
-    """
+    from `start`. `mobility`: accelerations per torque [rad/s2 per N.m], shape (count, n, n)."""
     if len(laws) == 1:
         return laws[0].torque(mobility[:, 0, 0], 0.0)[:, None]
     torques = start.copy()

@@ -20,8 +20,7 @@ Curves = Callable[
 
 def places(cut: GrooveCut, curves: Curves, most: float = CHORD_ERROR, intervals: int = 1) -> Array:
     """Angles psi [rad] along a groove, increasing, both stops among them, with the curves at most `most` [m]
-    from their straight lines.
-    """
+    from their straight lines."""
     psi = np.unique([cut.begin, *np.linspace(*cut.travel, intervals + 1), cut.end])
     while True:
         coarse = chord_errors(psi, curves) > most

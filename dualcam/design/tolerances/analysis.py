@@ -119,8 +119,7 @@ class ToleranceAnalysis:
 
     def draw_band(self, axes: Axes) -> None:
         """The edges of the stick band over the angle in `axes`: median, and between the outer percentiles an
-        area.
-        """
+        area."""
         degrees = np.degrees(self.theta)
         for name, colour in (("load", "C0"), ("release", "C1")):
             found = self.quantities[name]

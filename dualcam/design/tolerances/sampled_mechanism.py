@@ -179,8 +179,7 @@ class _Flank:
 
 def sampled_band(mechanism: Mechanism, values: Values, theta: Array) -> SampledBand:
     """The torque band of each sample at the angles `theta`, of parameters `values`, complex ones too.
-    DesignError: grooves that do not reach to an angle.
-    """
+    DesignError: grooves that do not reach to an angle."""
     first, second = (_SampledGroove(groove, i, values) for i, groove in enumerate(mechanism.grooves, 1))
     one, two = _settle(first, second, values, theta)
 

@@ -179,8 +179,7 @@ class CamAxis:
 
     def ledger(self) -> Array:
         """The FMU's energy accounts since the start [J], shape (8,), in the order of LEDGER; valid until the
-        next call.
-        """
+        next call."""
         self._ledger.read()
         return self._ledger.values
 

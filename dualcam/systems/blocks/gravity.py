@@ -37,14 +37,12 @@ class GravityLoad(Generic[Number]):
 
     def torque(self, theta: Number) -> Number:
         """The torque of the weight about the axis [N.m], + in the direction of `theta` [rad], float or shape
-        (count,).
-        """
+        (count,)."""
         return self.moment * self.gravity * sine(self.lean + theta)
 
     def energy(self, theta: Number) -> Number:
         """The potential energy of the weight [J] at `theta` [rad], 0 with the arm horizontal, float or shape
-        (count,).
-        """
+        (count,)."""
         return self.moment * self.gravity * cosine(self.lean + theta)
 
 

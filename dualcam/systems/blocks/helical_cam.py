@@ -82,8 +82,7 @@ class HelicalCam:
 
     def band(self, theta: float) -> tuple[float, float]:
         """The stick band at `theta` [rad]: the torques [N.m] that just release and just load; between them
-        the cam rests.
-        """
+        the cam rests."""
         force = self.preload + self.stiffness * self.dz_dtheta * theta
         return self.release_arm * force, self.load_arm * force
 

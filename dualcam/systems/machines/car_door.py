@@ -98,8 +98,7 @@ def hinge_tilt() -> float:
 @cache
 def extreme_weight_torques() -> tuple[float, float]:
     """The largest closing and the largest opening torque of the weight, over all angles and design attitudes
-    [N.m].
-    """
+    [N.m]."""
     angles = np.linspace(0.0, OPEN, 200)
     torques = [weight(attitude).torque(angle) for attitude in ATTITUDES for angle in angles]
     return -min(torques), max(torques)
@@ -123,8 +122,7 @@ class DoorCam:
 
     def band(self, angle: float) -> tuple[float, float]:
         """The stick band at an `angle` of the door [rad]: the torques about the hinge [N.m] that just close
-        and just open the door; between them the door rests.
-        """
+        and just open the door; between them the door rests."""
         release, load = self.cam.band(RATIO * (OPEN - angle))
         return -RATIO * load, -RATIO * release
 
@@ -262,8 +260,7 @@ def controller(cam: DoorCam, attitude: str) -> SpeedController:
 
 def reference_motion() -> tuple[Array, Array]:
     """The plan, open, hold, close: angle [rad] and speed [rad/s] at the control periods' ends, shape (n + 1,)
-    each.
-    """
+    each."""
     periods = round(DURATION / CONTROL_PERIOD)
     return MOTION.sample(MOTION.dwell + CONTROL_PERIOD * np.arange(periods + 1))
 

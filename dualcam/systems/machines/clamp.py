@@ -72,8 +72,7 @@ def cam(temperature: float, speed: float = 0.0) -> HelicalCam:
 
 def sliding_speed(omega: float) -> float:
     """Sliding speed of each contact [m/s] at a speed `omega` of the shaft [rad/s]. Both grooves are alike:
-    each takes half of the turn.
-    """
+    each takes half of the turn."""
     return 0.5 * abs(omega) * RADIUS[0] / float(np.cos(LEAD_ANGLE[0]))
 
 
@@ -133,8 +132,7 @@ class Servo:
 
     def plan(self) -> list[list[ServoSample]]:
         """The samples of one cycle in which the servo is active, of loading and of releasing, each with the
-        settling after the move.
-        """
+        settling after the move."""
         half, active = SAMPLES_PER_CYCLE // 2, round((MOTION.move + SETTLING) / SAMPLE)
         times = MOTION.dwell + SAMPLE * np.arange(-1, SAMPLES_PER_CYCLE + 1)
         angle, speed = MOTION.sample(times)

@@ -43,8 +43,7 @@ def inertia(walker: Walker) -> float:
 
 def swing(walker: Walker, cadence: float) -> Swing:
     """The measured swing of a `walker`, sampled with the control period. `cadence`: share of the
-    self-selected cadence [1].
-    """
+    self-selected cadence [1]."""
     return measured_swing(walker, cadence, MOTOR.inertia)
 
 
@@ -67,15 +66,13 @@ def elliptical_cam(
 
 def residual_torque(cam: EllipticalCam, motion: Swing) -> Array:
     """The torque that the motor adds to the `cam` for the joint to follow the measured `motion` [N.m], shape
-    (n + 1,).
-    """
+    (n + 1,)."""
     return cam.torque(motion.angle, motion.speed) - motion.demand
 
 
 def residual_share(cam: EllipticalCam, motion: Swing) -> float:
     """The mean square of the residual torque of a `cam` over that without it [1], along the measured
-    `motion`.
-    """
+    `motion`."""
     return float(np.mean(residual_torque(cam, motion) ** 2) / np.mean(motion.demand**2))
 
 

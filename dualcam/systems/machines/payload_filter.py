@@ -174,8 +174,7 @@ class PayloadFilter:
 
     def mean(self) -> Belief:
         """The mean of all particles, as one hypothesis of arrays of shape (1,). The arm rests where it does
-        for most of the weight.
-        """
+        for most of the weight."""
         weights = self.weights
         angle, speed = self._state @ weights
         payload, friction = self._values @ weights
