@@ -61,8 +61,7 @@ class Impedance(NamedTuple):
 
 
 def reflected_inertia(gear_ratio: float, rotor_inertia: float) -> float:
-    """Inertia of a rotor as the shaft behind its gear feels it [kg.m2]: N^2 J_rotor. Add it to the FMU's
-    `inertia.shaft`.
+    """Inertia N^2 J_rotor of a rotor behind its gear [kg.m2], to be added to the FMU's `inertia.shaft`.
 
     `gear_ratio`: N, turns of the rotor per turn of the shaft [1]. `rotor_inertia`: J_rotor [kg.m2].
     CouplingError: if a value is not finite, or the inertia is negative.
@@ -211,8 +210,7 @@ def _phi(x: float) -> Array:
 
 
 def cam_of_step(step: float, dtheta_dtau: float, domega_dtau: float) -> tuple[float, float] | None:
-    """Inertia J [kg.m2] and viscous damping B [N.m.s/rad] of the cam as the shaft feels them, from a step's
-    interface Jacobian.
+    """Inertia J [kg.m2] and viscous damping B [N.m.s/rad] of the cam, from a step's interface Jacobian.
 
     None where the cam did not slide throughout the step. `step`: communication step h [s]. `dtheta_dtau`,
     `domega_dtau`: `step.dtheta_dtau` [rad/(N.m)] and `step.domega_dtau` [rad/(N.m.s)] after that step.
@@ -245,8 +243,7 @@ def cam_of_step(step: float, dtheta_dtau: float, domega_dtau: float) -> tuple[fl
 def largest_stable_step(
     inertia: float, plant: Impedance, order: int = 0, cam_damping: float = 0.0, *, plant_is_fmu: bool = False
 ) -> float:
-    """Communication step [s] up to which explicit coupling is stable: between 1e-9 s and 1 s, else 0 or
-    infinity.
+    """Communication step [s] up to which explicit coupling is stable, from 1e-9 to 1 s, else 0 or infinity.
 
     It is 0 where no step of that range is stable, infinity where all steps are. Stable means that no error
     grows, however slowly. So the answer is 0 for a held spring without damping.

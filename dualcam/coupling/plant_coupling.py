@@ -228,8 +228,7 @@ class PlantCoupling:
     def _residual(
         self, torque: float, begin: ShaftMotion, end: ShaftMotion, size: float, weight: float
     ) -> tuple[float, float]:
-        """The torque less that of the plant at the motion of this trial [N.m], and its derivative by the
-        torque."""
+        """The torque less the plant's at the motion of this trial [N.m], and its derivative by the torque."""
         dtheta, domega = self._sensitivity.read()
         motion = ShaftMotion(
             begin.time + weight * size,
@@ -349,8 +348,7 @@ def step_difference(run: Callable[[float], ArrayLike], step: float) -> float:
 
 
 def _at_instants_of(whole: Array, fine: Array) -> Array:
-    """Those rows of a run with a tenth of the step that are at the instants of the whole run, if there are
-    such rows."""
+    """Those rows of a run with a tenth of the step that are at the instants of the whole run, if any."""
     if len(fine) == 10 * len(whole):
         return fine[9::10]
     if len(fine) == 10 * (len(whole) - 1) + 1:

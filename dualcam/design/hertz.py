@@ -82,8 +82,7 @@ class Pin:
 
 
 def hertz_pressure(load: ArrayLike, pin: Pin, curvature: ArrayLike = 0.0) -> Array:
-    """Largest pressure [Pa] of the line contact between pin and flank, by Hertz; infinite where the flank is
-    undercut.
+    """Largest pressure [Pa] between pin and flank, by Hertz; infinite where the flank is undercut.
 
     `load`: normal force of one contact [N]. `pin`. `curvature`: signed curvature of the path of the pin's
     centre [1/m], for the flank below the path. For the flank above change the sign.

@@ -71,8 +71,7 @@ class LoadSamples:
         self._spline = CubicSpline(np.log(loads), logs - logs[len(logs) // 2], bc_type="clamped")
 
     def factor(self, load: Values) -> Values:
-        """Factor [1] at nominal loads of one contact [N], of the shape of `load`; beyond the table the last
-        one."""
+        """Factor [1] at nominal loads of one contact [N], of their shape; beyond the table the last one."""
         first, last = self._spline.x[[0, -1]]
         with np.errstate(divide="ignore"):
             place = np.log(np.abs(load.real))
@@ -87,8 +86,7 @@ class LoadSamples:
 def friction_under(
     friction: Pair, laws: Sequence[LoadLaw | None], slope: Pair, radius: Pair, force_per_contact: Values
 ) -> Pair:
-    """Coefficients of friction at rest [1] under an axial force, by the load `laws` of both contacts (None:
-    none)."""
+    """Coefficients of friction at rest [1] under an axial force, by the load `laws` of both contacts."""
     if not any(laws):
         return friction
     loads = transfer(slope, (0.0, 0.0), radius, 0).reaction * force_per_contact

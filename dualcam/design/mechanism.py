@@ -180,8 +180,8 @@ class Mechanism:
         )
 
     def torque(self, theta: ArrayLike, direction: str) -> Array:
-        """The torque of slow motion rho_sigma F_s [N.m] at `theta` [rad], both contacts on the flanks that
-        support the spring.
+        """The torque of slow motion rho_sigma F_s [N.m] at `theta` [rad], on the flanks that support the
+        spring.
 
         `direction`: "loading", "releasing" or "frictionless". DesignError: another direction.
         """
@@ -192,16 +192,16 @@ class Mechanism:
         return np.asarray(rho * force)
 
     def band(self, theta: ArrayLike) -> tuple[Array, Array]:
-        """The edges of the stick band [N.m] at `theta` [rad]: the FMU's `torque_release` and `torque_load`.
-        F_s must be > 0."""
+        """The edges of the stick band [N.m] at `theta` [rad], `torque_release` and `torque_load`; F_s must be
+        > 0.
+        """
         configuration = self.configuration(theta)
         force = self.spring.force(configuration.z)
         (release, load), _ = self.edges(configuration.slope, force)
         return release * force, load * force
 
     def friction_under(self, slope: Pair, force: Array) -> Pair:
-        """Coefficients of friction at rest [1] on grooves of `slope` dz/dpsi [m/rad] under an axial `force`
-        [N]."""
+        """Coefficients of friction at rest [1] on grooves of `slope` [m/rad] under an axial `force` [N]."""
         return friction_under(self.friction, self.load_laws, slope, self.radius, force / self.contacts)
 
     def edges(self, slope: Pair, force: Array) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
@@ -213,8 +213,9 @@ class Mechanism:
         return band(slope, self.friction_under(slope, force), self.radius)
 
     def curvature(self, theta: ArrayLike) -> Array:
-        """Curvature of both unwrapped grooves where the pin is [1/m], shape (2, ...). `theta`: angle of cam 2
-        [rad]."""
+        """Curvature of both unwrapped grooves where the pin is [1/m], shape (2, ...), at `theta` of cam 2
+        [rad].
+        """
         psi = self.configuration(theta).psi
         return np.stack([curvature(groove, psi[i]) for i, groove in enumerate(self.grooves)])
 
@@ -225,8 +226,7 @@ class Mechanism:
         return found | {f"cam{i}.friction": mu for i, mu in enumerate(self.friction, 1)}
 
     def parameters(self, directory: str | Path) -> dict[str, float | int | str]:
-        """The FMU's parameters: start values for `Fmu.start`. `directory`: for tables, `groove1.csv` and
-        `groove2.csv`."""
+        """Start values for `Fmu.start`. `directory`: for tables, `groove1.csv` and `groove2.csv`."""
         found: dict[str, float | int | str] = {**self.parameters_without_tables()}
         for i, groove in enumerate(self.grooves, 1):
             if isinstance(groove, Table):
@@ -237,8 +237,7 @@ class Mechanism:
 
 
 def meeting(first: Groove, second: Groove, theta: Array) -> Array:
-    """The angle gamma [rad] at which both grooves have the same height; an end of the grooves where they do
-    not meet."""
+    """The angle gamma [rad] at which both grooves are equally high; an end where they do not meet."""
     low = np.maximum(first.range[0], theta - second.range[1])
     high = np.minimum(first.range[1], theta - second.range[0])
     # both grooves rise, so gamma is not outside [0, theta], but for rounding

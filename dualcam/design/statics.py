@@ -104,8 +104,9 @@ def band_factors(slope: Pair, friction: Pair, radius: Pair) -> tuple[Array, Arra
 
 
 def band(slope: Pair, friction: Pair, radius: Pair) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
-    """The factors (release, load) of `band_factors` [m], and the normal forces over F that belong to them
-    [1], shape (2, ...) each."""
+    """The factors (release, load) of `band_factors` [m], and their normal forces over F [1], shape (2, ...)
+    each.
+    """
     loading = transfer(slope, friction, radius, 1)
     load = np.where(loading.regular, loading.rho, np.inf)
     push = np.where(loading.regular, loading.reaction, np.inf)
@@ -119,12 +120,11 @@ def band(slope: Pair, friction: Pair, radius: Pair) -> tuple[tuple[Array, Array]
 
 
 def efficiency(lead_angle: Pair, friction: Pair, radius: Pair = (1.0, 1.0)) -> Array:
-    """The efficiency eta = T_release/T_load at the same z [1]; <= 0 where a contact locks itself, -inf or nan
-    where the mechanism is wedged.
+    """The efficiency eta = T_release/T_load at the same z [1].
 
-    `lead_angle`: lead angles lambda_i [rad]. `friction`: coefficients of friction mu_i [1], >= 0. `radius`:
-    radii r_i [m], > 0. Only the ratio of the radii counts. DesignError: a coefficient of friction or a radius
-    outside its range.
+    It is <= 0 where a contact locks itself, -inf or nan where the mechanism is wedged. `lead_angle`: lead
+    angles lambda_i [rad]. `friction`: coefficients of friction mu_i [1], >= 0. `radius`: radii r_i [m], > 0.
+    Only the ratio of the radii counts. DesignError: a coefficient of friction or a radius outside its range.
 
     Notes
     -----
@@ -235,8 +235,7 @@ class EfficiencyMap:
     radius: tuple[float, float]
 
     def draw(self, axes: Axes) -> QuadContourSet:
-        """Contours with the optimum, for `figure.colorbar`; grey where the spring cannot drive the mechanism
-        back.
+        """Contours with the optimum, for `figure.colorbar`; grey where the spring cannot drive back.
 
         `axes`: where the map is drawn.
         """

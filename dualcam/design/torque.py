@@ -41,8 +41,7 @@ def _constant(value: float) -> Torque:
 
 
 def _function(torque: Torque, angles: Array) -> Torque:
-    """`torque` for arrays, also if the function takes one angle at a time, or returns one number for an
-    array."""
+    """`torque` for arrays, also if it takes one angle at a time, or returns one number for an array."""
 
     def at_once(theta: Array) -> Array:
         found = np.asarray(torque(theta)).astype(float, casting="same_kind")  # no complex numbers

@@ -145,8 +145,7 @@ class Wear:
         return np.asarray(np.maximum(self.depth, self.other_depth).max(axis=1))
 
     def pin_depth(self, cycles: float) -> Array:
-        """Depth of wear on the pin in groove 1 and in groove 2 [m], shape (2,), after a number of `cycles`,
-        >= 0."""
+        """Depth of wear on the pin in grooves 1 and 2 [m], shape (2,), after a number of `cycles`, >= 0."""
         area = _count(cycles) * self.pin_volume / self.pin.width
         if self.turns:
             return np.asarray(area / (2.0 * math.pi * self.pin.radius))
@@ -169,8 +168,8 @@ class Wear:
         return WearLife(float(grooves[0]), float(grooves[1]), float(pin.min()))
 
     def after(self, cycles: float) -> WornMechanism:
-        """The mechanism after a number of `cycles`, >= 0: wear of the flanks that support the spring and of
-        the pin, lost preload, torque.
+        """The mechanism after `cycles`, >= 0: wear of the flanks that support the spring and of the pin,
+        torque.
 
         DesignError: so many cycles that the wear is deeper than a quarter of the pin's radius, or that the
         spring is slack.

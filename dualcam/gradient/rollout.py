@@ -58,8 +58,8 @@ class Rollout:
     input_count: int
 
     def gradient(self, by_states: ArrayLike) -> Gradient:
-        """The gradient of a loss by the start, the inputs and the parameters, by the chain rule from the last
-        step to the first.
+        """The gradient of a loss by start, inputs and parameters, by the chain rule from the last step to the
+        first.
 
         `by_states`: the derivative of the loss by each element of `states`, shape (count, steps, 2).
 
@@ -207,8 +207,7 @@ class DifferentiableFleet(ProcessBound):
         return Rollout(np.ascontiguousarray(found[:, :, :2]), jacobians, len(self.inputs))
 
     def states(self, start: ArrayLike, u: ArrayLike, p: ArrayLike | None = None) -> Array:
-        """The states of `rollout`, shape (count, steps, 2), without Jacobians: for a loss whose gradient is
-        not wanted.
+        """The states of `rollout`, shape (count, steps, 2), without Jacobians.
 
         Theta [rad] and omega [rad/s] after each step are in each bit as in `rollout`. The first call makes a
         second set of instances. `start`, `u`, `p` and the errors: as for `rollout`.

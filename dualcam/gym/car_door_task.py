@@ -115,6 +115,5 @@ class CarDoorTask(Task):
 
 
 def inertia_of(mass: Array) -> Array:
-    """The inertia about the hinge [kg.m2], with the rotor's, of a door of a `mass` [kg] and the shape of the
-    known one."""
+    """The inertia about the hinge [kg.m2], with the rotor's, of a door of a `mass` [kg]."""
     return mass / car_door.MASS * car_door.DOOR_INERTIA + car_door.MOTOR.inertia

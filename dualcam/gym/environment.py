@@ -26,8 +26,7 @@ def observation_space(task: Task) -> gymnasium.Space[Array]:
 
 
 def action_space() -> gymnasium.Space[Array]:
-    """The space of all tasks' actions: the torque asked of the motor over its peak torque, -1 to 1, shape
-    (1,)."""
+    """The space of all tasks' actions: the torque asked of the motor over its peak torque, shape (1,)."""
     return gymnasium.spaces.Box(-1.0, 1.0, (1,), dtype=np.float64)
 
 
@@ -72,8 +71,7 @@ class TaskEnv(gymnasium.Env[NDArray[np.float64], NDArray[np.float64]]):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Array, dict[str, Any]]:
-        """Begin an episode. Returns observation, shape (entries,), and the episode's loads and frictions by
-        name.
+        """Begin an episode. Returns observation, shape (entries,), and loads and frictions by name.
 
         `seed` of the random loads. Default: the next ones of the sequence. `options`: not used.
         """

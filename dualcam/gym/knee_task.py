@@ -138,8 +138,7 @@ class KneeTask(Task):
         return dict(knee.plant_parameters(design_cam().parameters(), WALKER))
 
     def draw(self, numbers: Array) -> Scene:
-        """Begin episodes, as `Task.draw`: shank, friction and cadence [1], number of the cadence, angle [rad]
-        and speed [rad/s] at toe-off."""
+        """Begin episodes, as `Task.draw`: shank, friction and cadence [1], its number, state at toe-off."""
         shank, friction = spread(numbers[:, 0], self.shank), spread(numbers[:, 1], self.friction)
         drawn = spread(numbers[:, 2], self.cadence)
         row = np.rint((drawn - SLOWEST) / (FASTEST - SLOWEST) * (CADENCES - 1)).astype(int)
@@ -206,8 +205,7 @@ def design_cam() -> EllipticalCam:
 
 @cache
 def most_drive() -> float:
-    """A bound of the torque of gravity and of the thigh's motion [N.m], larger than all at the heaviest
-    shank."""
+    """A bound of the torque of gravity and of the thigh's motion [N.m] at the heaviest shank."""
     planned, body = curves(), WALKER.pendulum
     turning, ahead, above = (
         float(np.max(np.abs(c))) for c in (planned.turning, planned.ahead, planned.above)

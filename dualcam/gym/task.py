@@ -92,21 +92,21 @@ class Task(ABC):
 
     @abstractmethod
     def draw(self, numbers: Array) -> Scene:
-        """Begin episodes. Returns what they differ in, by name, shape (count,) each; "start" is the angle of
-        the axis [rad].
+        """Begin episodes. Returns what they differ in by name, shape (count,); "start" is the axis' angle
+        [rad].
 
         `numbers`: random numbers, uniform over [0, 1), shape (count, draws).
         """
 
     @abstractmethod
     def start_values(self, scene: Scene) -> dict[str, Array]:
-        """Start values of the FMU by name, shape (count,) each, that follow from the drawn `scene`, without
-        the angle."""
+        """Start values of the FMU by name, shape (count,), that follow from the `scene`, without the angle.
+        """
 
     @abstractmethod
     def load_torque(self, scene: Scene, angle: Array, period: NDArray[np.int64]) -> Array:
-        """The torque of the load on the axis [N.m], + in the direction of the angle, shape (count,), in a
-        `scene` of `draw`.
+        """The torque of the load on the axis [N.m], + along the angle, shape (count,), in a `scene` of
+        `draw`.
 
         `angle` of the axis in the middle of the control period [rad], shape (count,). `period`: number of the
         control period, from 0, shape (count,).
@@ -121,8 +121,8 @@ class Task(ABC):
 
     @abstractmethod
     def observe(self, scene: Scene, motion: Motion) -> Array:
-        """What a policy sees of a `scene` and a `motion`, in the order of `observations`, shape (count,
-        entries)."""
+        """What a policy sees of `scene` and `motion`, in the order of `observations`, shape (count, entries).
+        """
 
     def is_over(self, scene: Scene, period: NDArray[np.int64]) -> NDArray[np.bool_]:
         """Whether the task has come to its own end in a `scene` of `draw`, shape (count,). Default: never.

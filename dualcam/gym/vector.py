@@ -82,8 +82,8 @@ class TaskVectorEnv(VectorEnv[Array, Array, NDArray[Any]]):
         seed: int | Sequence[int | None] | None = None,
         options: dict[str, Any] | None = None,
     ) -> tuple[Array, Infos]:
-        """Begin episodes. Returns observations, shape (num_envs, entries), and loads and frictions of the new
-        episodes by name.
+        """Begin episodes. Returns observations, shape (num_envs, entries), and new loads and frictions by
+        name.
 
         `seed`: instance i gets the seed `seed` + i, or the i-th one. Default: each goes on with its own
         sequence. `options`: "reset_mask", a bool array of shape (num_envs,): the instances that begin anew.
@@ -176,8 +176,9 @@ class TaskVectorEnv(VectorEnv[Array, Array, NDArray[Any]]):
 
 
 def masked(values: Mapping[str, Array], chosen: Flags) -> Infos:
-    """The infos of the chosen instances as gymnasium gives them: 0 for the others, and "_" and the name for
-    who has it."""
+    """The infos of the chosen instances as gymnasium gives them, 0 for the others; "_" and the name: who has
+    it.
+    """
     if not chosen.any():
         return {}
     infos: Infos = {}
@@ -187,8 +188,9 @@ def masked(values: Mapping[str, Array], chosen: Flags) -> Infos:
 
 
 def final_infos(seen: Array, infos: Infos, ended: Flags) -> Infos:
-    """The infos of a step after which the `ended` episodes begin anew at once: "final_obs" and "final_info"
-    of these."""
+    """Infos of a step after which `ended` episodes begin anew at once, with their "final_obs" and
+    "final_info".
+    """
     last = np.full(len(ended), None, dtype=object)
     for i in np.flatnonzero(ended):
         last[i] = seen[i].copy()

@@ -42,8 +42,7 @@ class Smooth:
 
 
 def smooth(time: Array, samples: Array, half: int | None = None) -> Smooth:
-    """Local polynomials through samples over time; `half` None: the window of the least error of
-    prediction."""
+    """Local polynomials through samples over time; `half` None: the window of least error of prediction."""
     widths = widths_of(len(time))
     if half is None:
         half, noise = _best(time, samples, widths)
@@ -55,15 +54,13 @@ def smooth(time: Array, samples: Array, half: int | None = None) -> Smooth:
 
 
 def noise_of(time: Array, samples: Array, rows: NDArray[np.intp]) -> float:
-    """Standard deviation of the noise of samples, from the narrowest windows at `rows`. Some jumps do not
-    count."""
+    """Standard deviation of the noise, from the narrowest windows at `rows`. Some jumps do not count."""
     residual, leverage = _parts(time, samples, rows, NARROWEST)[5:]
     return NORMAL * float(np.median(np.abs(residual) / np.sqrt(1.0 - leverage)))
 
 
 def noise_between(samples: Array) -> float:
-    """Standard deviation of the noise of samples, from each sample and its two neighbours: also where signs
-    change every few samples."""
+    """Standard deviation of the noise, from each sample and its neighbours: also where signs change often."""
     second = samples[:-2] - 2.0 * samples[1:-1] + samples[2:]
     return NORMAL * float(np.median(np.abs(second))) / math.sqrt(6.0)
 

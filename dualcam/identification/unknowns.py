@@ -55,8 +55,7 @@ def fitted_names() -> dict[str, tuple[str, ...]]:
 
 
 def names_without_effect(design: DesignFile) -> dict[str, str]:
-    """Names that cannot act on the torque of this design, each with the reason: the end of a sentence that
-    begins with the name."""
+    """Names that cannot act on the torque of this design, each with the reason, the end of a sentence."""
     reasons = {key: reason for key in fitted_names() if (reason := _reason(design, key))}
     for name, keys in fitted_names().items():
         if len(keys) > 1 and all(key in reasons for key in keys):

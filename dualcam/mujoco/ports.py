@@ -63,8 +63,7 @@ class Port(ABC):
 
     @abstractmethod
     def law(self, angle: Array, speed: Array, step: float) -> ShaftLaw:
-        """The law of the shaft over the coming step, whose end at the joint would reach `angle` and `speed`
-        without the shaft's torque."""
+        """The shaft's law over the step that would end at `angle` and `speed` without the shaft's torque."""
 
     @abstractmethod
     def advance(self, theta: Array, torque: Array, step: float) -> None:

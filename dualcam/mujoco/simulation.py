@@ -166,8 +166,7 @@ class CamSimulation:
         self._is_whole = True
 
     def _predict(self, i: int) -> None:
-        """The first half of the step of one mjData, up to the accelerations of its joints without cams and
-        constraints."""
+        """The first half of the step of one mjData, up to its accelerations without cams and constraints."""
         model, data, views = self.model, self.data[i], self._views[i]
         mujoco.mj_step1(model, data)
         if data.time != self._times[i]:
@@ -244,8 +243,7 @@ class CamSimulation:
         return self._port(joint).fleet
 
     def set_motor(self, joint: str, torque: ArrayLike) -> None:
-        """Set the `torque` of the motor of a DriveTrain on the cam [N.m], shape (count,), from the next step
-        on.
+        """Set the `torque` of a DriveTrain's motor on the cam [N.m], shape (count,), from the next step on.
 
         `joint`: its name. MujocoError: the joint has no DriveTrain, or a torque is not finite.
         """

@@ -149,8 +149,7 @@ class GrooveCut:
         return self.run_out / math.hypot(self.radius, float(self.groove.at(psi).slope))
 
     def centre(self, psi: ArrayLike) -> Point:
-        """The height of the path of the pin's axis [m] and its derivatives by `psi` [rad], the angle along
-        the groove.
+        """The height of the path of the pin's axis [m] and its derivatives by `psi` [rad], along the groove.
 
         Beyond the stops the path goes on straight.
         """
@@ -182,11 +181,11 @@ class GrooveCut:
         )
 
     def round_end(self, at_end: bool, share: ArrayLike, radius: float | None = None) -> Curve:
-        """Points, of the shape of `share`, of the groove's round end: the edge of the pin between its
-        contacts with both flanks.
+        """Points of the groove's round end: the edge of the pin between its contacts with both flanks.
 
-        `at_end`: the end beyond the upper stop, else beyond the lower one. `share`: places along the round
-        end, 0 at the upper flank, 1 at the lower. `radius` of the cylinder [m]; that of the cam if not given.
+        They have the shape of `share`: places along the round end, 0 at the upper flank, 1 at the lower.
+        `at_end`: the end beyond the upper stop, else beyond the lower one. `radius` of the cylinder [m]; that
+        of the cam if not given.
         """
         rho = self.radius if radius is None else radius
         psi = self.end if at_end else self.begin
@@ -227,8 +226,7 @@ class GrooveCut:
             )
 
     def require_no_undercut(self, radius: float) -> None:
-        """DesignError if a flank folds on the cylinder of a `radius` [m]. The message names the place and the
-        greatest pin that works."""
+        """DesignError, with the place and the greatest pin that works, if a flank folds at a `radius` [m]."""
         psi = np.linspace(*self.travel, POINTS)
         path = self.centre(psi)
         bend = path.d2z_dpsi2 * radius / np.hypot(radius, path.slope) ** 3

@@ -19,8 +19,7 @@ Curves = Callable[
 
 
 def places(cut: GrooveCut, curves: Curves, most: float = CHORD_ERROR, intervals: int = 1) -> Array:
-    """Angles psi [rad] along a groove, increasing, both stops among them, with the curves at most `most` [m]
-    from their straight lines."""
+    """Increasing angles psi [rad] with the stops: straight lines between them are at most `most` [m] off."""
     psi = np.unique([cut.begin, *np.linspace(*cut.travel, intervals + 1), cut.end])
     while True:
         coarse = chord_errors(psi, curves) > most
@@ -59,8 +58,7 @@ def unwrapped(cut: GrooveCut) -> Curves:
 
 
 def wrapped(cut: GrooveCut) -> Curves:
-    """Centre line, upper and lower flank in space, on the cylinder of the cam's radius; of the pin's first
-    end."""
+    """Centre line, upper and lower flank of the pin's first end in space, at the cam's radius."""
 
     def curves(psi: Array) -> Array:
         flanks = cut.flanks(psi)

@@ -118,8 +118,7 @@ class ToleranceAnalysis:
         return "\n".join(lines)
 
     def draw_band(self, axes: Axes) -> None:
-        """The edges of the stick band over the angle in `axes`: median, and between the outer percentiles an
-        area."""
+        """The edges of the stick band in `axes`: median, and between the outer percentiles an area."""
         degrees = np.degrees(self.theta)
         for name, colour in (("load", "C0"), ("release", "C1")):
             found = self.quantities[name]

@@ -92,12 +92,11 @@ class Propagation:
         return np.asarray(self.values.std(axis=0, ddof=1))
 
     def percentile_interval(self, level: float, confidence: float = 0.95) -> tuple[Array, Array]:
-        """The lower and upper end, shape (n,) each, of where the true percentile is; a limited number of
-        samples makes it uncertain.
+        """The lower and upper end, shape (n,) each, of where the true percentile is.
 
-        `level`: percentage, such as 97.5. `confidence`: probability that the interval holds the true
-        percentile. DesignError: a percentage outside 0 to 100, a confidence outside 0 to 1, or too few
-        samples.
+        `level`: percentage, such as 97.5. `confidence`: probability that the interval, which a limited number
+        of samples leaves, holds the true percentile. DesignError: a percentage outside 0 to 100, a confidence
+        outside 0 to 1, or too few samples.
 
         Notes
         -----

@@ -174,8 +174,7 @@ class Tolerance:
         return float(self.distribution.std())
 
     def require_inside(self, least: float, greatest: float, allowed: str) -> None:
-        """Refuse with a DesignError a distribution of which more than a share of 1e-9 lies outside the
-        allowed values.
+        """DesignError for a distribution of which more than a share of 1e-9 lies outside the allowed values.
 
         `least`, `greatest`: allowed values. `allowed`: the allowed values in words.
         """
@@ -219,8 +218,7 @@ class Tolerance:
 
 
 def draw(tolerances: Sequence[Tolerance], samples: int, seed: int) -> dict[str, Array]:
-    """Independent values of all parameters by name, shape (samples,); those of a tolerance do not depend on
-    later ones.
+    """Independent values of all parameters by name, shape (samples,), whatever tolerances come later.
 
     By the inverse of the distribution function (JCGM 101:2008, C.2), a seed gives the same values with every
     SciPy.
@@ -245,8 +243,8 @@ def means(tolerances: Sequence[Tolerance]) -> dict[str, float]:
 
 
 def complex_steps(tolerances: Sequence[Tolerance], step: float) -> dict[str, NDArray[Any]]:
-    """The means, shape (tolerances,) for each name; in row j tolerance j has the imaginary part `step` times
-    its standard uncertainty."""
+    """The means by name; in row j tolerance j has the imaginary part `step` times its standard uncertainty.
+    """
     found = {name: np.full(len(tolerances), mean, complex) for name, mean in means(tolerances).items()}
     for row, tolerance in enumerate(tolerances):
         for name in tolerance.names:

@@ -178,8 +178,8 @@ class CamAxis:
         self._read_state()
 
     def ledger(self) -> Array:
-        """The FMU's energy accounts since the start [J], shape (8,), in the order of LEDGER; valid until the
-        next call."""
+        """The FMU's energy accounts since the start [J], in the order of LEDGER; valid until the next call.
+        """
         self._ledger.read()
         return self._ledger.values
 

@@ -36,13 +36,13 @@ class GravityLoad(Generic[Number]):
     gravity: float = 9.81
 
     def torque(self, theta: Number) -> Number:
-        """The torque of the weight about the axis [N.m], + in the direction of `theta` [rad], float or shape
-        (count,)."""
+        """The torque of the weight about the axis [N.m], + in the direction of `theta` [rad], of its shape.
+        """
         return self.moment * self.gravity * sine(self.lean + theta)
 
     def energy(self, theta: Number) -> Number:
-        """The potential energy of the weight [J] at `theta` [rad], 0 with the arm horizontal, float or shape
-        (count,)."""
+        """The potential energy of the weight [J] at `theta` [rad], of its shape; 0 with the arm horizontal.
+        """
         return self.moment * self.gravity * cosine(self.lean + theta)
 
 
@@ -67,8 +67,7 @@ def hinged_load(mass: float, hinge: tuple[Array, Array], centre: Array, up: Arra
 
 
 def vertical_in_car(pitch: float, roll: float) -> Array:
-    """The upward vertical in the car's axes (x to the rear, y to the right, z to the roof), a unit vector,
-    shape (3,).
+    """The upward vertical in the car's axes (x to the rear, y to the right, z to the roof), shape (3,).
 
     `pitch`, `roll`: angles of the car [rad]; `pitch` > 0 lifts the nose, `roll` > 0 lifts the right side.
 

@@ -67,8 +67,7 @@ def _is_finite(value: object) -> bool:
 
 
 def check_temperature(name: str, value: float) -> None:
-    """Refuse with a DesignError a temperature `value` [K] that is no number, or so low that degrees Celsius
-    are meant.
+    """DesignError for a `value` [K] that is no number, or so low that degrees Celsius are meant.
 
     `name`: what the value is, for the message.
 
@@ -193,8 +192,8 @@ class GreasedContact:
         check_number("viscous", self.viscous, 0.0, "s/m")
 
     def law(self, temperature: float) -> tuple[float, float]:
-        """The two coefficients that move with the temperature: Stribeck velocity [m/s] and slope of the
-        lubricated branch [s/m].
+        """The Stribeck velocity [m/s] and the slope of the lubricated branch [s/m], which follow the
+        temperature.
 
         `temperature` [K], from 0 to 120 degC. DesignError: the temperature is outside that range.
         """

@@ -36,8 +36,7 @@ def path_integral_weights(costs: Array, temperature: float) -> Array:
 
 
 def effective_size(weights: Array) -> float:
-    """How many plans of equal weight would average as much, 1 to count: 1 over the sum of the squared weights
-    (Kish).
+    """How many plans of equal weight would average as much, 1 to count: 1/sum(weights^2) (Kish).
 
     `weights` with the sum 1, shape (count,).
 
@@ -78,8 +77,8 @@ def temperature_of(costs: Array, size: float) -> float:
 
 
 def spline_basis(horizon: int, knots: int) -> Array:
-    """Values of cubic splines at the periods of a plan, shape (horizon, knots): column i is 1 at knot i and 0
-    at all other knots.
+    """Cubic splines at the periods of a plan, shape (horizon, knots): column i is 1 at knot i, 0 at the
+    others.
 
     `horizon`: periods of the plan. `knots`: number of knots, evenly spread from the first period to the last.
 
@@ -94,8 +93,7 @@ def spline_basis(horizon: int, knots: int) -> Array:
 
 
 def shaped_basis(basis: Array, curvature: Array) -> Array:
-    """A basis, shape (horizon, knots), whose coefficients, drawn from the normal distribution, all cost the
-    same on average.
+    """A basis, shape (horizon, knots), whose normally distributed coefficients all cost the same on average.
 
     Where the cost is quadratic, each column adds 1/2 with unit coefficients, and no two columns share a cost.
     `basis` of the noise, shape (horizon, knots). `curvature`: second derivative of the cost by the plan,

@@ -79,8 +79,7 @@ class HingedPendulum(Generic[Number]):
         omega: float = 0.0,
         alpha: float = 0.0,
     ) -> tuple[float, float, float]:
-        """The torque that bends the hinge, and its first two time derivatives along a motion [N.m, N.m/s,
-        N.m/s2].
+        """The torque that bends the hinge [N.m], and its first two time derivatives along a motion.
 
         `hinge`: its motion. `theta`: flexion [rad]. `omega`, `alpha`: its first and second time derivative
         [rad/s, rad/s2].

@@ -73,10 +73,10 @@ class RadauGrid:
         return np.linalg.solve(powers.T, 1.0 / (order + 1.0)) * self.interval
 
     def derivatives_at_start(self, values: Array) -> Array:
-        """Derivatives at each interval's start of the polynomial through `values` at the nodes, both of shape
-        (intervals, nodes).
+        """Derivatives at each interval's start of the polynomial through `values` at the nodes.
 
-        Row i, column k: time derivative of order k at the start of interval i, in the values' unit per s^k.
+        Both have the shape (intervals, nodes). Row i, column k: time derivative of order k at the start of
+        interval i, in the values' unit per s^k.
         """
         powers = np.vander(self.shares, increasing=True)
         order = np.arange(self.nodes)

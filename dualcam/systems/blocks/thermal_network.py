@@ -92,8 +92,9 @@ class TwoMassNetwork:
         )
 
     def settled(self, power: float) -> ThermalState:
-        """The temperatures after a long time under a constant `power` into the contact zone [W], with
-        accounts of zero."""
+        """The temperatures after a long time under a constant `power` into the contact zone [W]; accounts are
+        0.
+        """
         housing = self.air + power / self.air_conductance
         return ThermalState(housing + power / self.contact_conductance, housing)
 

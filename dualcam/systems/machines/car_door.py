@@ -81,8 +81,7 @@ def weight_on_slope(mass: float, pitch: float, roll: float) -> GravityLoad[float
 
 @cache
 def weight(attitude: str, mass: float = MASS) -> GravityLoad[float]:
-    """The weight of the door about its hinge, in a car that is parked in one of the named ways, as an
-    equivalent pendulum.
+    """The weight of the door about its hinge, in a car parked in one of the named ways, as a pendulum.
 
     `attitude`: a key of ATTITUDES or ATTITUDES_NOT_DESIGNED_FOR. `mass` of the door [kg].
     """
@@ -97,8 +96,7 @@ def hinge_tilt() -> float:
 
 @cache
 def extreme_weight_torques() -> tuple[float, float]:
-    """The largest closing and the largest opening torque of the weight, over all angles and design attitudes
-    [N.m]."""
+    """The largest closing and opening torque of the weight, over all angles and design attitudes [N.m]."""
     angles = np.linspace(0.0, OPEN, 200)
     torques = [weight(attitude).torque(angle) for attitude in ATTITUDES for angle in angles]
     return -min(torques), max(torques)
@@ -259,8 +257,8 @@ def controller(cam: DoorCam, attitude: str) -> SpeedController:
 
 
 def reference_motion() -> tuple[Array, Array]:
-    """The plan, open, hold, close: angle [rad] and speed [rad/s] at the control periods' ends, shape (n + 1,)
-    each."""
+    """Planned angle [rad] and speed [rad/s] at the control periods' ends, shape (n + 1,): open, hold, close.
+    """
     periods = round(DURATION / CONTROL_PERIOD)
     return MOTION.sample(MOTION.dwell + CONTROL_PERIOD * np.arange(periods + 1))
 
@@ -289,8 +287,7 @@ class MotorCycle:
 
     @property
     def move_energy(self) -> float:
-        """Energy from the supply for opening and closing, energy given back deducted [J]: the cycle's energy
-        less that of its hold."""
+        """Energy from the supply, less what is given back, of the cycle without its hold [J]."""
         return self.record.net_energy - self.hold_power * MOTION.dwell
 
     @property

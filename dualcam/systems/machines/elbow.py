@@ -51,14 +51,12 @@ def weight(payload: Number) -> GravityLoad[Number]:
 
 
 def inertia(payload: Number) -> Number:
-    """The inertia of arm and rotor about the elbow [kg.m2] with a mass `payload` [kg], float or shape
-    (count,)."""
+    """The inertia of arm and rotor about the elbow [kg.m2] with a mass `payload` [kg], of its shape."""
     return AK80_6.inertia + arm_inertia(payload)
 
 
 def design_cam() -> HelicalCam:
-    """The cam, with its spring, whose stick band has its middle on gravity at the design payload, by least
-    squares."""
+    """The cam with the spring that puts the middle of the stick band on gravity at the design payload."""
     return fit_spring(HELIX, weight(DESIGN_PAYLOAD).torque, 0.0, RANGE)
 
 
@@ -92,8 +90,7 @@ def controller(cam: HelicalCam, payload: float, friction: float = FRICTION_BELIE
 
 
 def reference_motion() -> tuple[Array, Array]:
-    """The plan, all cycles of pick and place: angle [rad] and speed [rad/s] at the control periods' ends,
-    shape (n + 1,) each."""
+    """Planned angle [rad] and speed [rad/s] at the control periods' ends, all cycles, shape (n + 1,) each."""
     periods = round(CYCLES * MOTION.period / CONTROL_PERIOD)
     return MOTION.sample(CONTROL_PERIOD * np.arange(periods + 1))
 
@@ -104,8 +101,9 @@ def horizontal_torque(payload: float) -> float:
 
 
 def friction_heat_of_slow_cycle(cam: HelicalCam) -> float:
-    """The friction heat [J] of the `cam` in a slow cycle over the motion's travel: the area between T_load
-    and T_release."""
+    """The friction heat [J] of the `cam` in a slow cycle of the motion: the area between T_load and
+    T_release.
+    """
     middle = 0.5 * (MOTION.start + MOTION.end)  # the band is affine in theta, so its mean is its middle
     release, load = cam.band(middle)
     return (load - release) * (MOTION.end - MOTION.start)

@@ -118,8 +118,9 @@ class Mppi:
         self._now = self._due = 0.0  # N.m, of the present and of the coming period of 10 ms
 
     def torque(self, angle: float, k: int) -> float:
-        """The motor's torque [N.m] for control period number `k`. `angle` that the encoder shows at its
-        beginning [rad]."""
+        """The motor's torque [N.m] in control period `k`. `angle` that the encoder shows at its beginning
+        [rad].
+        """
         if k % RATIO == 0:
             before, self._now = self._now, self._due
             if k > 0:
@@ -153,8 +154,8 @@ class Mppi:
         return PERIOD * (ERROR_COST * squared + HEAT_FACTOR * np.einsum("ij,ij->i", plans, plans))
 
     def rollouts(self, start: Belief, plans: Array) -> Array:
-        """Angles at the ends of the periods [rad], shape (count, hypotheses, horizon), of every plan on every
-        hypothesis.
+        """Angles [rad] at the periods' ends of every plan on every hypothesis, shape (count, hypotheses,
+        horizon).
 
         A period under the torque that is already decided comes first. `start`: the hypotheses. `plans`:
         torques [N.m], shape (count, horizon).
@@ -202,8 +203,9 @@ class Lqi:
         self.controller.cam = replace(CAM, friction=(friction, friction))
 
     def torque(self, angle: float, k: int) -> float:
-        """The motor's torque [N.m] for control period number `k`. `angle` that the encoder shows at its
-        beginning [rad]."""
+        """The motor's torque [N.m] in control period `k`. `angle` that the encoder shows at its beginning
+        [rad].
+        """
         if self.belief is not None and k > 0 and k % RATIO == 0:
             self.belief.update(self._sum / RATIO, angle)
             mean = self.belief.mean()

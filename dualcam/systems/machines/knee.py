@@ -42,8 +42,7 @@ def inertia(walker: Walker) -> float:
 
 
 def swing(walker: Walker, cadence: float) -> Swing:
-    """The measured swing of a `walker`, sampled with the control period. `cadence`: share of the
-    self-selected cadence [1]."""
+    """The measured swing of a `walker`, sampled. `cadence`: share of the self-selected cadence [1]."""
     return measured_swing(walker, cadence, MOTOR.inertia)
 
 
@@ -65,14 +64,12 @@ def elliptical_cam(
 
 
 def residual_torque(cam: EllipticalCam, motion: Swing) -> Array:
-    """The torque that the motor adds to the `cam` for the joint to follow the measured `motion` [N.m], shape
-    (n + 1,)."""
+    """Torque that the motor adds to the `cam` to follow the measured `motion` [N.m], shape (n + 1,)."""
     return cam.torque(motion.angle, motion.speed) - motion.demand
 
 
 def residual_share(cam: EllipticalCam, motion: Swing) -> float:
-    """The mean square of the residual torque of a `cam` over that without it [1], along the measured
-    `motion`."""
+    """Mean square of the residual torque with a `cam` over that without [1], along the measured `motion`."""
     return float(np.mean(residual_torque(cam, motion) ** 2) / np.mean(motion.demand**2))
 
 
@@ -216,8 +213,8 @@ class KneeSwing:
 
     @property
     def impact_speed(self) -> float:
-        """Speed at which the shank hits full extension, of the hardest hit [deg/s], from the stop's heat
-        I omega^2/2."""
+        """Speed of the hardest hit of the shank at full extension [deg/s], from the stop's heat I omega^2/2.
+        """
         heat = np.max(
             np.diff(self.record.ledger["heat_stop"], prepend=0.0),
             where=self.record.angle < 0.5 * RANGE,

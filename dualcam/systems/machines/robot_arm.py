@@ -37,8 +37,7 @@ def arm_moment(payload: Number) -> Number:
 
 
 def arm_inertia(payload: Number) -> Number:
-    """The inertia of the arm about the elbow [kg.m2], without the rotor, with a mass `payload` [kg], float or
-    shape (count,).
+    """The inertia of the arm about the elbow [kg.m2], without the rotor, with a mass `payload` [kg].
 
     Notes
     -----
