@@ -49,7 +49,6 @@ myst_heading_anchors = 4  # anchors as GitHub makes them
 autosummary_generate = True
 autosummary_imported_members = True
 autodoc_typehints = "signature"  # docstrings give units and shapes
-autodoc_type_aliases = {name: name for name in ("Array", "ArrayLike", "Number", "WantedTorque")}
 autodoc_member_order = "bysource"
 maximum_signature_line_length = 60  # beyond, each parameter has a line of its own
 numpydoc_show_class_members = False

@@ -33,7 +33,7 @@ class Contact(NamedTuple):
 
 
 def contact(slope: ArrayLike, pin_radius: float, radius: ArrayLike) -> Contact:
-    """The point of the pin on the upper flank of a path of slope dz/dpsi [m/rad], for arrays that broadcast."""
+    """The point of the pin on the upper flank of a path of slope dz/dpsi [m/rad], for arrays."""
     cosine, sine = _direction(slope, pin_radius, radius)
     rho = np.asarray(radius, dtype=float)
     return Contact(np.arcsin(pin_radius * cosine / rho), pin_radius * sine)

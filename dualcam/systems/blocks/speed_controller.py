@@ -17,7 +17,7 @@ class HoldingCam(Protocol):
         ...
 
     def torque(self, angle: float, speed: float) -> float:
-        """The torque [N.m] that keeps the load moving at an `angle` [rad] and a `speed` [rad/s] of the load."""
+        """The torque [N.m] that keeps the load moving at an `angle` [rad] and a `speed` [rad/s]."""
         ...
 
 
