@@ -45,8 +45,7 @@ class Design:
 
     def torque(self, theta: ArrayLike) -> Array:
         """Torque of slow motion in the wanted direction [N.m] at angles `theta` of cam 2 [rad], as in the
-        FMU.
-        """
+        FMU."""
         return self.mechanism.torque(theta, self.direction)
 
     def error(self, theta: ArrayLike) -> Array:

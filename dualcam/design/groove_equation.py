@@ -98,8 +98,7 @@ class GrooveProblem:
 
     def solve(self) -> GrooveSolution:
         """The state over theta, integrated to rounding and checked. DesignError where no groove gives the
-        torque.
-        """
+        torque."""
         from scipy.integrate import solve_ivp
 
         theta, state = self.start()

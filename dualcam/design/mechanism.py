@@ -193,8 +193,7 @@ class Mechanism:
 
     def band(self, theta: ArrayLike) -> tuple[Array, Array]:
         """The edges of the stick band [N.m] at `theta` [rad], `torque_release` and `torque_load`; F_s must be
-        > 0.
-        """
+        > 0."""
         configuration = self.configuration(theta)
         force = self.spring.force(configuration.z)
         (release, load), _ = self.edges(configuration.slope, force)
@@ -214,8 +213,7 @@ class Mechanism:
 
     def curvature(self, theta: ArrayLike) -> Array:
         """Curvature of both unwrapped grooves where the pin is [1/m], shape (2, ...), at `theta` of cam 2
-        [rad].
-        """
+        [rad]."""
         psi = self.configuration(theta).psi
         return np.stack([curvature(groove, psi[i]) for i, groove in enumerate(self.grooves)])
 

@@ -96,36 +96,18 @@ class TaskEnv(gymnasium.Env[NDArray[np.float64], NDArray[np.float64]]):
 
 
 class ElbowEnv(TaskEnv):
-    """The task `ElbowTask`, "dualcam/Elbow-v0".
-
-    Parameters
-    ----------
-    render_mode : There is no rendering.
-    **options : Weights and ranges of the task.
-    """
+    """The task `ElbowTask`, "dualcam/Elbow-v0", with the arguments of `TaskEnv`."""
 
     task_type = ElbowTask
 
 
 class KneeEnv(TaskEnv):
-    """The task `KneeTask`, "dualcam/Knee-v0".
-
-    Parameters
-    ----------
-    render_mode : There is no rendering.
-    **options : Weights and ranges of the task.
-    """
+    """The task `KneeTask`, "dualcam/Knee-v0", with the arguments of `TaskEnv`."""
 
     task_type = KneeTask
 
 
 class CarDoorEnv(TaskEnv):
-    """The task `CarDoorTask`, "dualcam/CarDoor-v0".
-
-    Parameters
-    ----------
-    render_mode : There is no rendering.
-    **options : Weights and ranges of the task.
-    """
+    """The task `CarDoorTask`, "dualcam/CarDoor-v0", with the arguments of `TaskEnv`."""
 
     task_type = CarDoorTask

@@ -115,8 +115,6 @@ class KneeTask(Task):
 
     @property
     def observations(self) -> tuple[Quantity, ...]:
-        """The entries of an observation: angle, speed, planned angle and speed, share of the swing that is
-        over, cadence, torque of the motor."""
         inertia = 0.5 * WALKER.pendulum.inertia
         cam = replace(design_cam(), friction=MOST_FRICTION)
         held = float(np.max(np.abs(cam.torque(np.linspace(0.0, knee.RANGE, 100), np.ones(100)))))
@@ -134,11 +132,10 @@ class KneeTask(Task):
         )
 
     def parameters(self) -> dict[str, float | int]:
-        """Start values of the FMU that are the same in all episodes, by name, in SI units."""
         return dict(knee.plant_parameters(design_cam().parameters(), WALKER))
 
     def draw(self, numbers: Array) -> Scene:
-        """Begin episodes, as `Task.draw`: shank, friction and cadence [1], its number, state at toe-off."""
+        """Shank, friction and cadence [1], its number, state at toe-off."""
         shank, friction = spread(numbers[:, 0], self.shank), spread(numbers[:, 1], self.friction)
         drawn = spread(numbers[:, 2], self.cadence)
         row = np.rint((drawn - SLOWEST) / (FASTEST - SLOWEST) * (CADENCES - 1)).astype(int)
@@ -153,7 +150,6 @@ class KneeTask(Task):
         }
 
     def start_values(self, scene: Scene) -> dict[str, Array]:
-        """Inertia and friction of the drawn scene, as `Task.start_values`."""
         return {
             "inertia.shaft": scene["shank"] * WALKER.pendulum.inertia + self.motor.inertia,
             "cam1.friction": scene["friction"],
@@ -161,7 +157,6 @@ class KneeTask(Task):
         }
 
     def load_torque(self, scene: Scene, angle: Array, period: NDArray[np.int64]) -> Array:
-        """The drive of the thigh's motion and of gravity, as `Task.load_torque`."""
         planned, body = curves(), WALKER.pendulum
         at = (scene["row"], np.minimum(period, planned.angle.shape[1] - 1))
         pendulum = replace(body, inertia=scene["shank"] * body.inertia, moment=scene["shank"] * body.moment)
@@ -171,29 +166,18 @@ class KneeTask(Task):
         )
 
     def wanted(self, scene: Scene, period: NDArray[np.int64]) -> Array:
-        """The measured angle, as `Task.wanted`."""
         planned = curves()
         return planned.angle[scene["row"], np.minimum(period, planned.angle.shape[1] - 1)]
 
     def observe(self, scene: Scene, motion: Motion) -> Array:
-        """State, plan, phase, cadence and torque of the motor, as `Task.observe`."""
         planned = curves()
         at = (scene["row"], np.minimum(motion.period, planned.angle.shape[1] - 1))
         phase = np.minimum(motion.period / planned.length[scene["row"]], 1.0)
-        return np.column_stack(
-            [
-                motion.angle,
-                motion.speed,
-                planned.angle[at],
-                planned.speed[at],
-                phase,
-                scene["cadence"],
-                motion.torque,
-            ]
-        )
+        plan = (planned.angle[at], planned.speed[at], phase, scene["cadence"])
+        return np.column_stack([motion.angle, motion.speed, *plan, motion.torque])
 
     def is_over(self, scene: Scene, period: NDArray[np.int64]) -> NDArray[np.bool_]:
-        """Whether the next step would pass heel strike, as `Task.is_over`."""
+        """Whether the next step would pass heel strike."""
         return period + self.periods > curves().length[scene["row"]]
 
 

@@ -100,8 +100,7 @@ class Task(ABC):
 
     @abstractmethod
     def start_values(self, scene: Scene) -> dict[str, Array]:
-        """Start values of the FMU by name, shape (count,), that follow from the `scene`, without the angle.
-        """
+        """Start values of the FMU by name, shape (count,), that follow from the `scene`, but the angle."""
 
     @abstractmethod
     def load_torque(self, scene: Scene, angle: Array, period: NDArray[np.int64]) -> Array:
@@ -121,8 +120,7 @@ class Task(ABC):
 
     @abstractmethod
     def observe(self, scene: Scene, motion: Motion) -> Array:
-        """What a policy sees of `scene` and `motion`, in the order of `observations`, shape (count, entries).
-        """
+        """What a policy sees of `scene` and `motion`: the `observations` in order, shape (count, entries)."""
 
     def is_over(self, scene: Scene, period: NDArray[np.int64]) -> NDArray[np.bool_]:
         """Whether the task has come to its own end in a `scene` of `draw`, shape (count,). Default: never.
@@ -130,6 +128,16 @@ class Task(ABC):
         `period`: control periods since the begin of the episode, shape (count,).
         """
         return np.zeros(len(period), bool)
+
+
+class MoveTask(Task):
+    """A task in which the axis moves from a drawn angle to the drawn angle "target", and rests there."""
+
+    def wanted(self, scene: Scene, period: NDArray[np.int64]) -> Array:
+        return scene["target"]
+
+    def observe(self, scene: Scene, motion: Motion) -> Array:
+        return np.column_stack([motion.angle, motion.speed, scene["target"], motion.torque])
 
 
 def spread(number: Array, over: Range) -> Array:

@@ -177,8 +177,7 @@ class TaskVectorEnv(VectorEnv[Array, Array, NDArray[Any]]):
 
 def masked(values: Mapping[str, Array], chosen: Flags) -> Infos:
     """The infos of the chosen instances as gymnasium gives them, 0 for the others; "_" and the name: who has
-    it.
-    """
+    it."""
     if not chosen.any():
         return {}
     infos: Infos = {}
@@ -189,8 +188,7 @@ def masked(values: Mapping[str, Array], chosen: Flags) -> Infos:
 
 def final_infos(seen: Array, infos: Infos, ended: Flags) -> Infos:
     """Infos of a step after which `ended` episodes begin anew at once, with their "final_obs" and
-    "final_info".
-    """
+    "final_info"."""
     last = np.full(len(ended), None, dtype=object)
     for i in np.flatnonzero(ended):
         last[i] = seen[i].copy()
@@ -205,36 +203,18 @@ def final_infos(seen: Array, infos: Infos, ended: Flags) -> Infos:
 
 
 class ElbowVectorEnv(TaskVectorEnv):
-    """Many instances of the task `ElbowTask`, "dualcam/Elbow-v0".
-
-    Parameters
-    ----------
-    num_envs, max_episode_steps, autoreset_mode, threads : As in `TaskVectorEnv`.
-    **options : Weights and ranges of the task.
-    """
+    """Many instances of `ElbowTask`, "dualcam/Elbow-v0", with the arguments of `TaskVectorEnv`."""
 
     task_type = ElbowTask
 
 
 class KneeVectorEnv(TaskVectorEnv):
-    """Many instances of the task `KneeTask`, "dualcam/Knee-v0".
-
-    Parameters
-    ----------
-    num_envs, max_episode_steps, autoreset_mode, threads : As in `TaskVectorEnv`.
-    **options : Weights and ranges of the task.
-    """
+    """Many instances of `KneeTask`, "dualcam/Knee-v0", with the arguments of `TaskVectorEnv`."""
 
     task_type = KneeTask
 
 
 class CarDoorVectorEnv(TaskVectorEnv):
-    """Many instances of the task `CarDoorTask`, "dualcam/CarDoor-v0".
-
-    Parameters
-    ----------
-    num_envs, max_episode_steps, autoreset_mode, threads : As in `TaskVectorEnv`.
-    **options : Weights and ranges of the task.
-    """
+    """Many instances of `CarDoorTask`, "dualcam/CarDoor-v0", with the arguments of `TaskVectorEnv`."""
 
     task_type = CarDoorTask

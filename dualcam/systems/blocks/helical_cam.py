@@ -82,8 +82,7 @@ class HelicalCam:
 
     def band(self, theta: float) -> tuple[float, float]:
         """The stick band at `theta` [rad]: torques [N.m] that just release and just load; between, the cam
-        rests.
-        """
+        rests."""
         force = self.preload + self.stiffness * self.dz_dtheta * theta
         return self.release_arm * force, self.load_arm * force
 

@@ -93,8 +93,7 @@ class TwoMassNetwork:
 
     def settled(self, power: float) -> ThermalState:
         """The temperatures after a long time under a constant `power` into the contact zone [W]; accounts are
-        0.
-        """
+        0."""
         housing = self.air + power / self.air_conductance
         return ThermalState(housing + power / self.contact_conductance, housing)
 

@@ -132,8 +132,7 @@ class Servo:
 
     def plan(self) -> list[list[ServoSample]]:
         """The samples of one cycle in which the servo is active, of loading and of releasing, with the
-        settling.
-        """
+        settling."""
         half, active = SAMPLES_PER_CYCLE // 2, round((MOTION.move + SETTLING) / SAMPLE)
         times = MOTION.dwell + SAMPLE * np.arange(-1, SAMPLES_PER_CYCLE + 1)
         angle, speed = MOTION.sample(times)

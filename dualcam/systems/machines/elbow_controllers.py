@@ -119,8 +119,7 @@ class Mppi:
 
     def torque(self, angle: float, k: int) -> float:
         """The motor's torque [N.m] in control period `k`. `angle` that the encoder shows at its beginning
-        [rad].
-        """
+        [rad]."""
         if k % RATIO == 0:
             before, self._now = self._now, self._due
             if k > 0:
@@ -204,8 +203,7 @@ class Lqi:
 
     def torque(self, angle: float, k: int) -> float:
         """The motor's torque [N.m] in control period `k`. `angle` that the encoder shows at its beginning
-        [rad].
-        """
+        [rad]."""
         if self.belief is not None and k > 0 and k % RATIO == 0:
             self.belief.update(self._sum / RATIO, angle)
             mean = self.belief.mean()

@@ -174,8 +174,7 @@ class PayloadFilter:
 
     def mean(self) -> Belief:
         """The mean of all particles, arrays of shape (1,); the arm rests where it does for most of the
-        weight.
-        """
+        weight."""
         weights = self.weights
         angle, speed = self._state @ weights
         payload, friction = self._values @ weights
