@@ -82,6 +82,8 @@ def named(section):
 
 def undocumented(thing):
     """Arguments neither in the section Parameters nor, as `name`, in the text before the sections."""
+    if inspect.isclass(thing) and not {"__init__", "__new__"} & set(vars(thing)):
+        return set()  # they are those of the base class
     text = SECTION.split(inspect.cleandoc(thing.__doc__))[0]
     listed = {*named(sections(thing).get("Parameters", "")), *re.findall(r"`(?:\*\*)?(\w+)`", text)}
     return set(arguments_of(thing)) - listed
@@ -94,8 +96,6 @@ def has_result(thing):
 
 
 def arguments_of(thing):
-    if inspect.isclass(thing) and not {"__init__", "__new__"} & set(vars(thing)):
-        return []  # those of the base class
     listed = inspect.signature(thing).parameters
     return [name for name in listed if name not in ("self", "cls", "args", "kwargs")]
 

@@ -44,8 +44,7 @@ class Design:
         return groove
 
     def torque(self, theta: ArrayLike) -> Array:
-        """Torque of slow motion in the wanted direction [N.m] at angles `theta` of cam 2 [rad], as in the
-        FMU."""
+        """Torque of slow motion in the wanted direction [N.m], as in the FMU, at `theta` of cam 2 [rad]."""
         return self.mechanism.torque(theta, self.direction)
 
     def error(self, theta: ArrayLike) -> Array:

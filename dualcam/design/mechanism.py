@@ -192,8 +192,7 @@ class Mechanism:
         return np.asarray(rho * force)
 
     def band(self, theta: ArrayLike) -> tuple[Array, Array]:
-        """The edges of the stick band [N.m] at `theta` [rad], `torque_release` and `torque_load`; F_s must be
-        > 0."""
+        """The FMU's `torque_release` and `torque_load` [N.m] at `theta` [rad]; F_s must be > 0."""
         configuration = self.configuration(theta)
         force = self.spring.force(configuration.z)
         (release, load), _ = self.edges(configuration.slope, force)
@@ -212,8 +211,7 @@ class Mechanism:
         return band(slope, self.friction_under(slope, force), self.radius)
 
     def curvature(self, theta: ArrayLike) -> Array:
-        """Curvature of both unwrapped grooves where the pin is [1/m], shape (2, ...), at `theta` of cam 2
-        [rad]."""
+        """Curvature of both unwrapped grooves at the pin [1/m], shape (2, ...), at `theta` [rad]."""
         psi = self.configuration(theta).psi
         return np.stack([curvature(groove, psi[i]) for i, groove in enumerate(self.grooves)])
 

@@ -104,8 +104,7 @@ def band_factors(slope: Pair, friction: Pair, radius: Pair) -> tuple[Array, Arra
 
 
 def band(slope: Pair, friction: Pair, radius: Pair) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
-    """The factors (release, load) of `band_factors` [m], and their normal forces over F [1], shape (2, ...)
-    each."""
+    """The factors (release, load) of `band_factors` [m], and their normal forces over F, shape (2, ...)."""
     loading = transfer(slope, friction, radius, 1)
     load = np.where(loading.regular, loading.rho, np.inf)
     push = np.where(loading.regular, loading.reaction, np.inf)

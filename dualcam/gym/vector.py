@@ -176,8 +176,7 @@ class TaskVectorEnv(VectorEnv[Array, Array, NDArray[Any]]):
 
 
 def masked(values: Mapping[str, Array], chosen: Flags) -> Infos:
-    """The infos of the chosen instances as gymnasium gives them, 0 for the others; "_" and the name: who has
-    it."""
+    """The infos of the chosen instances, 0 for the others; "_" and the name: who has it."""
     if not chosen.any():
         return {}
     infos: Infos = {}
@@ -187,8 +186,7 @@ def masked(values: Mapping[str, Array], chosen: Flags) -> Infos:
 
 
 def final_infos(seen: Array, infos: Infos, ended: Flags) -> Infos:
-    """Infos of a step after which `ended` episodes begin anew at once, with their "final_obs" and
-    "final_info"."""
+    """Infos of a step after which `ended` episodes begin anew, with "final_obs" and "final_info"."""
     last = np.full(len(ended), None, dtype=object)
     for i in np.flatnonzero(ended):
         last[i] = seen[i].copy()

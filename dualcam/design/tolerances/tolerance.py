@@ -243,8 +243,7 @@ def means(tolerances: Sequence[Tolerance]) -> dict[str, float]:
 
 
 def complex_steps(tolerances: Sequence[Tolerance], step: float) -> dict[str, NDArray[Any]]:
-    """The means by name; in row j tolerance j has the imaginary part `step` times its standard uncertainty.
-    """
+    """The means by name; in row j tolerance j has the imaginary part `step` times its uncertainty."""
     found = {name: np.full(len(tolerances), mean, complex) for name, mean in means(tolerances).items()}
     for row, tolerance in enumerate(tolerances):
         for name in tolerance.names:

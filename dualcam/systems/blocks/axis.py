@@ -178,8 +178,7 @@ class CamAxis:
         self._read_state()
 
     def ledger(self) -> Array:
-        """The FMU's energy accounts since the start [J], in the order of LEDGER; valid until the next call.
-        """
+        """The FMU's energy accounts since the start [J], in LEDGER's order; valid until the next call."""
         self._ledger.read()
         return self._ledger.values
 

@@ -36,13 +36,11 @@ class GravityLoad(Generic[Number]):
     gravity: float = 9.81
 
     def torque(self, theta: Number) -> Number:
-        """The torque of the weight about the axis [N.m], + in the direction of `theta` [rad], of its shape.
-        """
+        """The torque of the weight about the axis [N.m], + in the direction of `theta` [rad]."""
         return self.moment * self.gravity * sine(self.lean + theta)
 
     def energy(self, theta: Number) -> Number:
-        """The potential energy of the weight [J] at `theta` [rad], of its shape; 0 with the arm horizontal.
-        """
+        """The potential energy of the weight [J] at `theta` [rad], 0 with the arm horizontal."""
         return self.moment * self.gravity * cosine(self.lean + theta)
 
 

@@ -80,8 +80,7 @@ class FourierSeries:
     period: float
 
     def sample(self, time: np.ndarray, order: int = 0) -> Array:
-        """Time derivative of an `order` (0: the function) at each `time` [s], in the coefficients' unit per
-        s^order."""
+        """Time derivative of an `order` (0: the function) at each `time` [s], in its unit per s^order."""
         total = np.full_like(time, self.coefficients[0] if order == 0 else 0.0)
         pairs = zip(self.coefficients[1::2], self.coefficients[2::2], strict=True)
         for n, (cosine, sine) in enumerate(pairs, start=1):

@@ -257,8 +257,7 @@ def controller(cam: DoorCam, attitude: str) -> SpeedController:
 
 
 def reference_motion() -> tuple[Array, Array]:
-    """Planned angle [rad] and speed [rad/s] at the control periods' ends, shape (n + 1,): open, hold, close.
-    """
+    """The plan: angle [rad] and speed [rad/s] at the control periods' ends, shape (n + 1,) each."""
     periods = round(DURATION / CONTROL_PERIOD)
     return MOTION.sample(MOTION.dwell + CONTROL_PERIOD * np.arange(periods + 1))
 

@@ -71,8 +71,7 @@ def cam(temperature: float, speed: float = 0.0) -> HelicalCam:
 
 
 def sliding_speed(omega: float) -> float:
-    """Sliding speed of each contact [m/s] at `omega` of the shaft [rad/s], of which each groove takes half.
-    """
+    """Sliding speed of each contact [m/s]: each groove takes half of `omega` of the shaft [rad/s]."""
     return 0.5 * abs(omega) * RADIUS[0] / float(np.cos(LEAD_ANGLE[0]))
 
 
@@ -131,8 +130,7 @@ class Servo:
         return HelicalCam(RADIUS, LEAD_ANGLE, (self.friction, self.friction), PRELOAD, STIFFNESS)
 
     def plan(self) -> list[list[ServoSample]]:
-        """The samples of one cycle in which the servo is active, of loading and of releasing, with the
-        settling."""
+        """The samples of one cycle in which the servo is active, of loading and of releasing."""
         half, active = SAMPLES_PER_CYCLE // 2, round((MOTION.move + SETTLING) / SAMPLE)
         times = MOTION.dwell + SAMPLE * np.arange(-1, SAMPLES_PER_CYCLE + 1)
         angle, speed = MOTION.sample(times)

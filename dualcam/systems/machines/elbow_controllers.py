@@ -118,8 +118,7 @@ class Mppi:
         self._now = self._due = 0.0  # N.m, of the present and of the coming period of 10 ms
 
     def torque(self, angle: float, k: int) -> float:
-        """The motor's torque [N.m] in control period `k`. `angle` that the encoder shows at its beginning
-        [rad]."""
+        """The motor's torque [N.m] in control period `k`; `angle`: the encoder's at its beginning [rad]."""
         if k % RATIO == 0:
             before, self._now = self._now, self._due
             if k > 0:
@@ -202,8 +201,7 @@ class Lqi:
         self.controller.cam = replace(CAM, friction=(friction, friction))
 
     def torque(self, angle: float, k: int) -> float:
-        """The motor's torque [N.m] in control period `k`. `angle` that the encoder shows at its beginning
-        [rad]."""
+        """The motor's torque [N.m] in control period `k`; `angle`: the encoder's at its beginning [rad]."""
         if self.belief is not None and k > 0 and k % RATIO == 0:
             self.belief.update(self._sum / RATIO, angle)
             mean = self.belief.mean()

@@ -213,8 +213,7 @@ class KneeSwing:
 
     @property
     def impact_speed(self) -> float:
-        """Speed of the hardest hit of the shank at full extension [deg/s], from the stop's heat I omega^2/2.
-        """
+        """Speed of the hardest hit at full extension [deg/s], from the stop's heat I omega^2/2."""
         heat = np.max(
             np.diff(self.record.ledger["heat_stop"], prepend=0.0),
             where=self.record.angle < 0.5 * RANGE,

@@ -173,8 +173,7 @@ class PayloadFilter:
         self._log_weights[:] = 0.0
 
     def mean(self) -> Belief:
-        """The mean of all particles, arrays of shape (1,); the arm rests where it does for most of the
-        weight."""
+        """The mean of all particles, of shape (1,); the arm rests where it does for most of the weight."""
         weights = self.weights
         angle, speed = self._state @ weights
         payload, friction = self._values @ weights
