@@ -12,13 +12,10 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from dualcam.common.arrays import number_of, positive_number
+from dualcam.common.arrays import Array, number_of, positive_number
 from dualcam.errors import CouplingError
-
-Array = NDArray[np.float64]
 
 LARGEST_RADIUS = 1.001  # without a warning: errors that grow less than e times in 1000 steps
 ROUNDING = 1e-11  # of the spectral radius

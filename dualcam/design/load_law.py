@@ -31,23 +31,10 @@ class LoadLaw(Protocol):
 
 @dataclass(frozen=True)
 class LoadPower:
-    """((N^2 + (0.1 N_ref)^2)/N_ref^2)^(nu/2): `cam1.friction_load_exponent` and `cam1.friction_load`.
+    """((N^2 + (0.1 N_ref)^2)/N_ref^2)^(nu/2): `cam1.friction_load_exponent` and `cam1.friction_load`."""
 
-    Parameters
-    ----------
-    exponent : nu [1], float or of the shape of the loads.
-    reference : N_ref [N].
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from dualcam.design.load_law import LoadPower
-    >>> LoadPower(0.5, 100.0).factor(np.array([0.0, 400.0])).round(4)
-    array([0.3162, 2.0003])
-    """
-
-    exponent: float | Values
-    reference: float
+    exponent: float | Values  # nu [1], float or of the shape of the loads
+    reference: float  # N_ref [N]
 
     def factor(self, load: Values) -> Values:
         """Factor [1] at nominal loads of one contact [N], of the shape of `load`."""
@@ -56,13 +43,7 @@ class LoadPower:
 
 
 class LoadSamples:
-    """The first row of speeds of a friction table over loads, over the coefficient at the middle load.
-
-    Parameters
-    ----------
-    loads : Growing, > 0 [N], shape (n,).
-    coefficients : mu at rest under these loads [1], shape (n,).
-    """
+    """The first row of speeds of a friction table over loads [N], growing, over that at the middle load."""
 
     def __init__(self, loads: Sequence[float], coefficients: Sequence[float]) -> None:
         from scipy.interpolate import CubicSpline

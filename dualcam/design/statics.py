@@ -18,14 +18,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from dualcam.common.arrays import real_array
+from dualcam.common.arrays import Array, real_array
 from dualcam.errors import DesignError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.contour import QuadContourSet
 
-Array = NDArray[np.float64]
 Pair = Sequence[ArrayLike] | Array
 
 DIRECTIONS = {"loading": 1, "releasing": -1, "frictionless": 0}

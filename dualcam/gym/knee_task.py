@@ -36,24 +36,15 @@ MOST_FRICTION = 0.2
 
 
 class Curves(NamedTuple):
-    """Measured swings at all cadences, each of shape (CADENCES, most periods + 1).
+    """Measured swings at all cadences, each of shape (CADENCES, most periods + 1)."""
 
-    Parameters
-    ----------
-    angle, speed : The knee at the ends of the control periods [rad, rad/s].
-    tilt, turning
-        The thigh's inclination in the middle of the control periods [rad] and its second derivative [rad/s2].
-    ahead, above : Acceleration of the knee's axis in the middle of the control periods [m/s2].
-    length : Control periods of the swing, shape (CADENCES,).
-    """
-
-    angle: Array
-    speed: Array
-    tilt: Array
-    turning: Array
-    ahead: Array
-    above: Array
-    length: NDArray[np.int64]
+    angle: Array  # of the knee at the ends of the control periods [rad]
+    speed: Array  # likewise [rad/s]
+    tilt: Array  # the thigh's inclination in the middle of the control periods [rad]
+    turning: Array  # its second derivative [rad/s2]
+    ahead: Array  # acceleration of the knee's axis in the middle of the control periods, forward [m/s2]
+    above: Array  # likewise, upward
+    length: NDArray[np.int64]  # control periods of the swing, shape (CADENCES,)
 
 
 @cache

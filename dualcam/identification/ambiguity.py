@@ -7,15 +7,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from dualcam.common.arrays import Array
 from dualcam.errors import FmuError
 from dualcam.identification.least_squares import Solution
 from dualcam.identification.motion import DYNAMIC, MeasuredMotion
 from dualcam.identification.torque_model import TorqueModel
 from dualcam.identification.unknowns import CAMS, Unknown
-
-Array = NDArray[np.float64]
 
 OPEN = 1.0  # half of the 95 % interval along a direction, in sizes, from which the direction counts as open
 TAKES_PART = 0.1  # of the largest component of a direction

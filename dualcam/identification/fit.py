@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from dualcam.common.arrays import Array
 from dualcam.design_file import DesignSource, as_design
 from dualcam.errors import FmuError, IdentificationError
 from dualcam.identification.ambiguity import Ambiguity, ambiguities_of, exchangeable_cams
@@ -23,8 +24,6 @@ from dualcam.identification.result import AT_LIMIT, KNOWN, OPEN, FittedParameter
 from dualcam.identification.smoothing import NARROWEST, noise_between, noise_of
 from dualcam.identification.torque_model import TorqueModel
 from dualcam.identification.unknowns import DEFAULT, Unknown, unknowns_of
-
-Array = NDArray[np.float64]
 
 MOST_SAMPLES = 20_000  # of the fit; of longer recordings every k-th sample counts
 LEAST_NOISE = 1e-6  # of the largest torque: least standard deviation of a recording without noise

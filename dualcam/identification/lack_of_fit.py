@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from dualcam.common.arrays import Array
 from dualcam.design_file import DesignFile
 from dualcam.errors import FmuError
 from dualcam.identification.least_squares import Solution, spread
@@ -21,8 +21,6 @@ from dualcam.identification.unknowns import (
     names_without_effect,
     unknowns_of,
 )
-
-Array = NDArray[np.float64]
 
 PEAK = "friction_peak"
 # Values that may be missing in a fit, each with the step of a difference where the value is 0.
@@ -86,22 +84,9 @@ def lack_of_fit(
 
     The derivatives of the torque by the fitted values are extended by those of one further value. One step
     of Gauss and Newton gives the change that the residuals ask for, with its 95 % interval. The interval is
-    that of the fit: the blocks in time take into account that neighbouring residuals are alike.
-
-    Parameters
-    ----------
-    design : Values that are held.
-    motion : Motion at the samples.
-    force : Axial force on the follower [N], shape (n,).
-    unknowns : What was fitted.
-    solution : Result of the fit.
-
-    Returns
-    -------
-    missing : list of Missing
-        The value that explains most of the residual, if its change is beyond doubt, and those that explain
-        nearly as much.
-    levers : Doubts of single values.
+    that of the fit: the blocks in time take into account that neighbouring residuals are alike. The
+    values found are the one that explains most of the residual, if its change is beyond doubt, and those that
+    explain nearly as much. `force`: axial force on the follower [N], shape (n,).
     """
     others = _others(design, motion, unknowns)
     slips = np.flatnonzero(motion.direction)

@@ -8,11 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from dualcam.common.arrays import Array
 from dualcam.errors import IdentificationError
 from dualcam.identification.recording import Recording
 from dualcam.identification.smoothing import NARROWEST, half_of, noise_between, smooth, widths_of
-
-Array = NDArray[np.float64]
 
 AUTO, QUASI_STATIC, DYNAMIC = "auto", "quasi-static", "dynamic"
 KINDS = (AUTO, QUASI_STATIC, DYNAMIC)
@@ -25,31 +24,18 @@ USUAL = 0.95  # quantile of speeds
 
 @dataclass(frozen=True, eq=False)
 class MeasuredMotion:
-    """The motion of cam 2, each array of shape (n,).
+    """The motion of cam 2, each array of shape (n,)."""
 
-    Attributes
-    ----------
-    theta, omega, alpha
-        Angle [rad], smoothed where the cam slips and no speed is measured, angular velocity [rad/s] and
-        acceleration [rad/s2]. alpha is 0 in quasi-static motion.
-    direction : 1: loading, -1: releasing, 0: at rest, or so near to rest that the direction is not known.
-    kind : Whether alpha counts, "quasi-static" or "dynamic".
-    slowest : Speed below which a sample counts as at rest [rad/s].
-    window : Length of the window of the local polynomials [s]; None where the speed was measured.
-    theta_noise, alpha_noise, alpha_rms
-        Noise of the measured angle [rad], noise of alpha and RMS of alpha [rad/s2].
-    """
-
-    theta: Array
-    omega: Array
-    alpha: Array
-    direction: NDArray[np.int_]
-    kind: str
-    slowest: float
-    window: float | None
-    theta_noise: float
-    alpha_noise: float
-    alpha_rms: float
+    theta: Array  # rad, smoothed where the cam slips and no speed is measured
+    omega: Array  # rad/s
+    alpha: Array  # rad/s2, 0 in quasi-static motion
+    direction: NDArray[np.int_]  # 1 loading, -1 releasing, 0 at rest, or so near that it is not known
+    kind: str  # "quasi-static" or "dynamic": whether alpha counts
+    slowest: float  # speed below which a sample counts as at rest [rad/s]
+    window: float | None  # of the local polynomials [s]; None where the speed was measured
+    theta_noise: float  # rad
+    alpha_noise: float  # rad/s2
+    alpha_rms: float  # rad/s2
 
     def count(self, direction: int) -> int:
         """Number of samples with that direction."""

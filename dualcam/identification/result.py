@@ -4,22 +4,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from dualcam.common.arrays import Array
 from dualcam.design_file import DesignFile
 from dualcam.errors import IdentificationError
 from dualcam.identification.ambiguity import Ambiguity
 from dualcam.identification.lack_of_fit import Lever, Missing
 from dualcam.identification.motion import MeasuredMotion
 from dualcam.identification.recording import Recording
-
-if TYPE_CHECKING:
-    pass
-
-Array = NDArray[np.float64]
 
 KNOWN, AT_LIMIT, OPEN = "known", "at its limit", "not determined"
 MOST_DECIMALS = 7

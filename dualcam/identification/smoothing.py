@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from dualcam.common.arrays import Array
 
 DEGREE = 4  # the curvature of a polynomial of this degree has an error of fourth order in the window
 NARROWEST = 4  # samples on each side: 9 samples for 5 coefficients

@@ -25,20 +25,12 @@ ELASTIC = "shaft.stiffness"  # the torque then depends on the past
 
 @dataclass(frozen=True)
 class Unknown:
-    """One number that is fitted.
+    """One number that is fitted."""
 
-    Attributes
-    ----------
-    name : As the user writes it: `spring.preload`; `friction` for one value of both cams; `torque_offset`.
-    keys : The FMU's parameters that have this value; empty for the zero error of a sensor.
-    unit : As the FMU writes it, "1" without a unit.
-    start, least, greatest : Value of the design, and allowed values.
-    """
-
-    name: str
-    keys: tuple[str, ...]
-    unit: str
-    start: float
+    name: str  # as the user writes it: `spring.preload`; `friction` for both cams; `torque_offset`
+    keys: tuple[str, ...]  # the FMU's parameters that have this value; empty for the zero error of a sensor
+    unit: str  # as the FMU writes it, "1" without a unit
+    start: float  # value of the design
     least: float
     greatest: float
 

@@ -74,28 +74,18 @@ class DriveLaw(NamedTuple):
 
     Within a step the law takes one of the three. A cam that comes to rest during a step moves a little
     beyond what the law says, up to h omega/2.
-
-    Parameters
-    ----------
-    stiffness, damping : K [N.m/rad] and D [N.m.s/rad] of the shaft.
-    step : h [s].
-    angle, speed : p and w minus the angle and the speed of the cam now [rad, rad/s].
-    omega, alpha
-        Speed of the cam now [rad/s], and its acceleration without the shaft's torque if it slides [rad/s2].
-    inertia : J [kg.m2].
-    motor, lower, upper : The motor's torque, and the edges of the stick band [N.m].
     """
 
-    stiffness: float
-    damping: float
-    step: float
-    angle: Array
-    speed: Array
-    omega: Array
-    alpha: Array
-    inertia: Array
-    motor: Array
-    lower: Array
+    stiffness: float  # K of the shaft [N.m/rad]
+    damping: float  # D of the shaft [N.m.s/rad]
+    step: float  # h [s]
+    angle: Array  # p minus the angle of the cam now [rad]
+    speed: Array  # w minus the speed of the cam now [rad/s]
+    omega: Array  # of the cam now [rad/s]
+    alpha: Array  # of the cam without the shaft's torque if it slides [rad/s2]
+    inertia: Array  # J [kg.m2]
+    motor: Array  # N.m
+    lower: Array  # edges of the stick band [N.m]
     upper: Array
 
     @property
@@ -114,9 +104,7 @@ class DriveLaw(NamedTuple):
         slides_on = self.omega * (self.omega + h * (self.alpha + sliding / self.inertia)) > 0.0
         resting = at_rest / held
         edge = np.minimum(np.maximum(resting, self.lower - self.motor), self.upper - self.motor)
-        breaking_away = (at_rest + yields * edge) / (
-            held + yields
-        )  # as `resting` where that is inside the band
+        breaking_away = (at_rest + yields * edge) / (held + yields)  # `resting` where that is inside the band
         return np.where(slides_on, sliding, breaking_away)
 
 

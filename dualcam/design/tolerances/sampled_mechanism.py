@@ -92,22 +92,13 @@ def allowed(name: str) -> tuple[float, float, str]:
 
 @dataclass(frozen=True, eq=False)
 class SampledBand:
-    """Quantities of many mechanisms over the angle, each of shape (samples, n).
+    """Quantities of many mechanisms over the angle, each of shape (samples, n)."""
 
-    Attributes
-    ----------
-    load, release
-        Edges of the stick band [N.m]: +inf where a mechanism jams, release <= 0 where it locks itself.
-    efficiency : release over load [1].
-    z : Height of the pin [m].
-    backlash : Play of cam 2 where the axial force changes its sign [rad].
-    """
-
-    load: Array
-    release: Array
-    efficiency: Array
-    z: Array
-    backlash: Array
+    load: Array  # edge of the stick band [N.m], +inf where a mechanism jams
+    release: Array  # likewise, <= 0 where a mechanism locks itself
+    efficiency: Array  # release over load [1]
+    z: Array  # height of the pin [m]
+    backlash: Array  # play of cam 2 where the axial force changes its sign [rad]
 
 
 QUANTITIES = tuple(field.name for field in fields(SampledBand))
