@@ -134,20 +134,22 @@ def efficiency(lead_angle: Pair, friction: Pair, radius: Pair = (1.0, 1.0)) -> A
     >>> round(float(efficiency((math.pi / 4, math.pi / 4), (0.14, 0.14))), 4)  # ((1 - mu)/(1 + mu))^2
     0.5691
     """
-    for name, pair, good in (
-        ("friction", friction, lambda values: values >= 0.0),
-        ("radius", radius, lambda values: values > 0.0),
-    ):
-        for i, values in enumerate(pair):
-            found = real_array(values, f"{name}[{i}]", DesignError)
-            if not (np.isfinite(found) & good(found)).all():
-                low = "0" if name == "friction" else "more than 0"
-                raise DesignError(f"{name}[{i}] = {values}: allowed are finite numbers from {low} on")
+    _check_ranges(friction, radius)
     angles = [real_array(angle, f"lead_angle[{i}]", DesignError) for i, angle in enumerate(lead_angle)]
     slope = [np.asarray(r) * np.tan(angle) for r, angle in zip(radius, angles, strict=True)]
     release, load = band_factors(slope, friction, radius)
     with np.errstate(invalid="ignore", divide="ignore"):
         return np.asarray(release / load)
+
+
+def _check_ranges(friction: Pair, radius: Pair) -> None:
+    """DesignError unless all are finite, coefficients of friction >= 0, and radii > 0."""
+    for name, pair, allowed in (("friction", friction, ">= 0"), ("radius", radius, "> 0")):
+        for i, values in enumerate(pair):
+            found = real_array(values, f"{name}[{i}]", DesignError)
+            good = found >= 0.0 if name == "friction" else found > 0.0
+            if not (np.isfinite(found) & good).all():
+                raise DesignError(f"{name}[{i}] = {values}: allowed is a finite number {allowed}")
 
 
 @dataclass(frozen=True)
@@ -194,11 +196,8 @@ def optimum(friction: Sequence[float], radius: Sequence[float] = (1.0, 1.0)) -> 
     for name, pair in (("friction", friction), ("radius", radius)):
         if np.shape(pair) != (2,):
             raise DesignError(f"{name} = {pair!r}: allowed are two numbers")
+    _check_ranges(friction, radius)
     (mu1, mu2), (r1, r2) = (tuple(map(float, pair)) for pair in (friction, radius))
-    for name, values, low in (("friction", (mu1, mu2), "0"), ("radius", (r1, r2), "more than 0")):
-        for i, value in enumerate(values):
-            if not (math.isfinite(value) and value >= 0.0 and (name == "friction" or value > 0.0)):
-                raise DesignError(f"{name}[{i}] = {value}: allowed is a finite number from {low} on")
     if mu1 == mu2 == 0.0:
         return BestLeadAngles((math.pi / 4, math.pi / 4), 1.0, 0.0)
     if mu1 == 0.0 or mu2 == 0.0:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from dualcam.common.unit_guards import units_checked_before, warn_units
 from dualcam.design.design import Design
-from dualcam.design.groove_equation import GrooveProblem, groove_problem
+from dualcam.design.groove_equation import groove_problem
 from dualcam.design.grooves import Groove
 from dualcam.design.mechanism import Spring
 from dualcam.design.proposal import VARIED, SpringProposal, propose, with_proposals
@@ -76,9 +76,8 @@ def synthesize(
     >>> design.torque([0.0, 0.6, 1.2]).round(4)
     array([5., 5., 5.])
     """
-    problem = _problem(
-        torque, upper, spring, direction, groove2, friction, radius, kinks, contacts, tolerance
-    )
+    _check(upper, contacts, tolerance)
+    problem = groove_problem(torque, upper, spring, direction, groove2, friction, radius, kinks)
     with units_checked_before():
         try:
             solution = problem.solve()
@@ -121,9 +120,8 @@ def propose_spring(
     """
     if vary not in VARIED:
         raise DesignError(f"vary = {vary!r}: allowed are {', '.join(VARIED)}")
-    problem = _problem(
-        torque, upper, spring, direction, groove2, friction, radius, kinks, contacts, tolerance
-    )
+    _check(upper, contacts, tolerance)
+    problem = groove_problem(torque, upper, spring, direction, groove2, friction, radius, kinks)
     with units_checked_before():
         found = propose(problem, vary, contacts, tolerance)
     if found is None:
@@ -135,21 +133,9 @@ def propose_spring(
     return found
 
 
-def _problem(
-    torque: WantedTorque,
-    upper: float,
-    spring: Spring,
-    direction: str,
-    groove2: Groove | None,
-    friction: Sequence[float],
-    radius: float,
-    kinks: Sequence[float],
-    contacts: int,
-    tolerance: float,
-) -> GrooveProblem:
+def _check(upper: float, contacts: int, tolerance: float) -> None:
     if not 0.0 < tolerance < 1.0:
         raise DesignError(f"tolerance = {tolerance}: allowed is a number > 0, below 1")
     if contacts not in (1, 2):
         raise DesignError(f"contacts = {contacts!r}: allowed are 1 and 2")
     warn_units({"upper": ("stop.upper", upper)}, stacklevel=4)
-    return groove_problem(torque, upper, spring, direction, groove2, friction, radius, kinks)

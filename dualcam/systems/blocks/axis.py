@@ -13,7 +13,7 @@ from __future__ import annotations
 import time as clock
 from collections.abc import Mapping
 from itertools import pairwise
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
 
@@ -217,7 +217,7 @@ class Recorder:
         of the period [rad].
         """
         advance = axis.angle - before
-        self._rows[self._count] = (
+        self._rows[self._count] = (  # in the order of the fields of Record
             axis.angle,
             axis.speed,
             command,
@@ -234,22 +234,9 @@ class Recorder:
     def record(self, reference: Array) -> Record:
         """The run so far. `reference`: planned angle at the ends of the periods [rad], shape (n,)."""
         wall_time = clock.perf_counter() - self._begin
-        return Record(
-            period=self._period,
-            time=self._period * np.arange(1, self._count + 1, dtype=float),
-            reference=reference,
-            angle=self._rows[:, 0],
-            speed=self._rows[:, 1],
-            command=self._rows[:, 2],
-            motor_torque=self._rows[:, 3],
-            peak_torque=self._rows[:, 4],
-            motor_heat=self._rows[:, 5],
-            supply_energy=self._rows[:, 6],
-            motor_work=self._rows[:, 7],
-            load_work=self._rows[:, 8],
-            ledger={name: self._ledger[:, i] for i, name in enumerate(LEDGER)},
-            wall_time=wall_time,
-        )
+        time = self._period * np.arange(1, self._count + 1, dtype=float)
+        rest: list[Any] = [*self._rows.T, dict(zip(LEDGER, self._ledger.T, strict=True)), wall_time]
+        return Record(self._period, time, reference, *rest)
 
 
 def simulate_closed_loop(

@@ -32,8 +32,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
-import numpy as np
-
+from dualcam.design.statics import is_number
 from dualcam.errors import DesignError
 
 CELSIUS = 273.15  # K, 0 degC
@@ -62,8 +61,7 @@ def check_number(name: str, value: float, least: float, unit: str, *, above: boo
 
 def _is_finite(value: object) -> bool:
     """Whether a value is a finite number, and no text or truth value."""
-    number = isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool)
-    return number and math.isfinite(value)  # type: ignore[arg-type]
+    return is_number(value) and math.isfinite(value)  # type: ignore[arg-type]
 
 
 def check_temperature(name: str, value: float) -> None:

@@ -85,6 +85,7 @@ class RestLimits:
     margin: float
 
 
+@dataclass(eq=False)
 class PositionController:
     """LQI with feed-forward, and rest inside the stick band, from a model of the joint.
 
@@ -99,23 +100,15 @@ class PositionController:
     period : Period of the controller [s].
     """
 
-    def __init__(
-        self,
-        inertia: float,
-        load: GravityLoad,
-        cam: HelicalCam,
-        torque_limit: float,
-        gains: Gains,
-        rest: RestLimits,
-        period: float,
-    ) -> None:
-        self.inertia = inertia
-        self.load = load
-        self.cam = cam
-        self.torque_limit = torque_limit
-        self.gains = gains
-        self.rest = rest
-        self.period = period
+    inertia: float
+    load: GravityLoad
+    cam: HelicalCam
+    torque_limit: float
+    gains: Gains
+    rest: RestLimits
+    period: float
+
+    def __post_init__(self) -> None:
         self.integral = 0.0  # rad.s
         self.resting = False
 

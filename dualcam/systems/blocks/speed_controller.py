@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import Protocol
 
 from dualcam.systems.blocks.gravity import GravityLoad
@@ -21,6 +22,7 @@ class HoldingCam(Protocol):
         ...
 
 
+@dataclass(eq=False)
 class SpeedController:
     """PI on speed with feed-forward of inertia, load, friction and damper, from a model of the plant. The
     integral part is the distance to the planned angle. The motor is off where the cam holds the load.
@@ -37,20 +39,17 @@ class SpeedController:
     period : Period of the controller [s].
     """
 
-    def __init__(
-        self,
-        inertia: float,
-        load: GravityLoad,
-        cam: HoldingCam,
-        torque_limit: float,
-        bandwidth: float,
-        rest_speed: float,
-        rest_margin: float,
-        period: float,
-    ) -> None:
-        self.inertia, self.load, self.cam, self.torque_limit = inertia, load, cam, torque_limit
-        self.rest_speed, self.rest_margin, self.period = rest_speed, rest_margin, period
-        w = 2.0 * math.pi * bandwidth
+    inertia: float
+    load: GravityLoad
+    cam: HoldingCam
+    torque_limit: float
+    bandwidth: float
+    rest_speed: float
+    rest_margin: float
+    period: float
+
+    def __post_init__(self) -> None:
+        w = 2.0 * math.pi * self.bandwidth
         self.proportional, self.integral = 2.0 * w, w**2  # 1/s, 1/s2: s^2 + Kp s + Ki = (s + w)^2
         self.distance = 0.0  # rad, integral of the error of the speed
 
