@@ -1,8 +1,4 @@
-"""An own plant in Python on the shaft of the forward FMU: explicit and implicit coupling, and which of them
-is stable.
-
-The plant is a function that gets the motion of the shaft and returns the torque on the shaft. The FMU gets
-that torque and returns the motion.
+"""An own plant in Python on the shaft of the forward FMU: explicit and implicit coupling.
 
     def motor(shaft: ShaftMotion) -> float:                  # N.m
         back_emf = torque_constant * gear_ratio * shaft.omega
@@ -12,25 +8,10 @@ that torque and returns the motion.
     for _ in range(1000):
         coupling.step_implicit(1e-3)
 
-Explicit coupling computes the torque from the motion at the beginning of the step. One step of the FMU is
-made, and an error of the torque comes back in the next step, multiplied. With the plant's stiffness K,
-damping D and inertia M, tau = tau_0 - K theta - D omega - M alpha, and the inertia J of the cam as the shaft
-feels it,
-
-    D h/J = D step.domega_dtau < 2      damping alone
-    M/J < 1                             inertia alone, whatever the step h is
-
-are the bounds of stability for a torque that is held over the step. In general the loop is stable where the
-spectral radius of the matrix that maps the errors of one step to those of the next step is at most 1.
-
-Implicit coupling solves for the torque that suits the motion over the same step. `step_implicit` does so by
-Newton's method with the interface Jacobian step.dtheta_dtau, step.domega_dtau. Implicit coupling is
-stable for every passive plant (K, D, M >= 0).
-
-Sources. Zero-stability of coupled simulators with direct feedthrough: R. Kuebler, W. Schiehlen, "Two Methods
-of Simulator Coupling", Mathematical and Computer Modelling of Dynamical Systems 6 (2000) 93-113. Newton's
-method at the interface: S. Sicklinger et al., "Interface Jacobian-based Co-Simulation", International Journal
-for Numerical Methods in Engineering 98 (2014) 418-444.
+Explicit coupling computes the torque from the motion at the beginning of the step: an error of the torque
+comes back in the next step, multiplied. Implicit coupling solves for the torque that suits the motion over
+the same step, by Newton's method with the interface Jacobian; it is stable for every passive plant.
+docs/couple-own-plant.md has bounds of stability and sources.
 """
 
 from __future__ import annotations

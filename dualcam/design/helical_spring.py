@@ -1,20 +1,10 @@
 """A helical compression spring of round wire: rate, stress, lengths, buckling, fatigue.
 
-With wire diameter d, mean coil diameter D, n active coils, w = D/d and the shear modulus G (EN 13906-1):
-
-    R = G d^4/(8 D^3 n)     tau = 8 D F/(pi d^3)     tau_k = k tau,  k = (w + 0.5)/(w - 0.75)
-
-The factor k is for the curvature of the wire. Static stress is compared without k, fatigue with k. The wire
-endures the amplitude tau_Z up to the mean stress tau_mZ, for any tensile strength. From there the Goodman
-line falls to amplitude 0 at the shear strength 0.67 R_m; tau_W is its extension to mean stress 0. With
-amplitude and mean stress between preload and full stroke the safety S is the lesser one of
+Equations and sources (EN 13906-1:2013, Zimmerli): docs/design-quantities.md. Static stress is compared
+without the factor k for the curvature of the wire, fatigue with k. With Zimmerli's amplitude tau_Z up to the
+mean stress tau_mZ and the Goodman line from there, the safety is the lesser one of
 
     tau_Z/tau_a     1/(tau_a/tau_W + tau_m/(0.67 R_m)),  tau_W = tau_Z/(1 - tau_mZ/(0.67 R_m))
-
-Without the first one a weaker wire would have more safety: tau_W grows as R_m falls.
-
-Source: EN 13906-1:2013 (rate, stress, k, gaps between the coils, buckling, allowed static stress); the
-strength against fatigue is that of spring_steel.py.
 """
 
 from __future__ import annotations

@@ -2,16 +2,10 @@
 
 With the load N of one contact, the width L of the flank and the relative radius R (`relative_radius`):
 
-    1/E* = (1 - nu_pin^2)/E_pin + (1 - nu_cam^2)/E_cam
-    a = sqrt(4 N R/(pi L E*))     p_max = 2 N/(pi a L) = sqrt((N/L) E*/(pi R))
+    a = sqrt(4 N R/(pi L E*))     p_max = 2 N/(pi a L)     tau(z) = p_max u (1 - u/sqrt(1 + u^2)),  u = z/a
 
-Below the middle of the contact, at depth z, the largest shear stress is (McEwen)
-
-    tau(z) = p_max u (1 - u/sqrt(1 + u^2))     u = z/a
-
-The largest one is at u^2 = (sqrt(5) - 1)/2, where tau = p_max u (1 - u^2): 0.3003 p_max at 0.7862 a.
-
-Source: K. L. Johnson, Contact Mechanics (1985), section 4.2(c).
+tau is largest at u^2 = (sqrt(5) - 1)/2. Source: K. L. Johnson, Contact Mechanics (1985), section 4.2(c);
+docs/design-quantities.md.
 """
 
 from __future__ import annotations

@@ -1,16 +1,7 @@
-"""A roller on the pin: does the roller roll in the groove, and with which coefficient of friction?
+"""A roller on the pin: does it roll in the groove, and with which coefficient of friction?
 
-The normal force N presses the roller of radius r on the flank and on its bearing of radius r_b. The bearing
-brakes the roller by mu_b N r_b. The flank brakes rolling by N f, where f is the lever arm of rolling
-resistance. The tangential force at the flank turns the roller against both:
-
-    T r = mu_b N r_b + N f        mu_eff = T/N = (mu_b r_b + f)/r
-
-The roller rolls while mu_eff is at most the coefficient of friction mu of sliding on the flank. Else the
-roller slides, and mu acts. The inertia of the roller about its axis is left out.
-
-Source: F. P. Beer, E. R. Johnston, Vector Mechanics for Engineers: Statics, sections on journal bearings and
-on wheel friction (rolling resistance).
+Bearing and rolling resistance brake the roller: mu_eff = (mu_b r_b + f)/r. It rolls while mu_eff is at most
+the coefficient mu of sliding on the flank; else mu acts. Source: docs/design-quantities.md.
 """
 
 from __future__ import annotations

@@ -1,15 +1,9 @@
 """Can the grooves be made, and do they carry their load?
 
-The pin of radius p runs in a groove that a cutter of its radius made: the flanks are the curves parallel
-to the path of the pin's centre at distance p on either side. With the signed curvature k of the unwrapped
-path (+ where the groove steepens) their radii are 1/|k| - p inside the bend and 1/|k| + p outside of it.
-Where p |k| >= 1 the inner flank is undercut.
-
-The flank that supports the spring lies below the path, outside of a bend that steepens, where it is hollow
-and the contact is closer: 1/R = 1/p - k/(1 + k p), so R = p (1 + k p). On the other flank R = p (1 - k p).
-The pressure is that of a line contact by Hertz (hertz.py).
-
-The flank counts as the cylinder into which it unwraps at the cam's radius, as in the FMU's statics.
+With the signed curvature k of the unwrapped path of the pin's centre (+ where the groove steepens) the inner
+flank of a pin of radius p is undercut where p |k| >= 1. On the flank below the path, which supports the
+spring, the relative radius is p (1 + k p), on the other flank p (1 - k p) (hertz.py). The flank counts as the
+cylinder into which it unwraps at the cam's radius, as in the FMU's statics.
 """
 
 from __future__ import annotations

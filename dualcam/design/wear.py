@@ -1,28 +1,12 @@
 """Wear of grooves and pin by Archard's law, and what wear changes: preload and torque.
 
-Archard: a contact with the load N that slides by ds loses the volume K N ds, with the specific wear rate K
-[m3/(N.m)]. One cycle is a slow move from the lower stop to the upper one and back, without external force.
+One cycle is a slow move from the lower stop to the upper one and back, without external force; its loads are
+those of the new mechanism. docs/design-quantities.md derives, with the specific wear rate K, N the load and L
+the width of the pin:
 
-Groove. While the pin of width L passes a place of the groove, the integral of the pressure over the sliding
-distance is N/L. So the place loses the depth K N/L in each pass, normal to the flank, whatever the width of
-the contact is. Each end of the follower has its own groove, so each place has two passes in a cycle.
-
-Pin. The pin loses the volume V = K_pin (integral of N ds) in each cycle. A pin that does not turn touches
-the flank along one line. There a flat grows. The flat of depth h on the relative radius R has the volume
-L (4/3) h sqrt(2 R h), so h = (3 V/(4 L sqrt(2 R)))^(2/3). Each end of the pin has its own
-flat: R is the least one of its own groove. This is the largest depth: on a curved groove the line wanders,
-and the wear spreads. A pin or roller that turns wears all around: h = V/(2 pi r L).
-
-Preload and torque. A depth h normal to a flank of lead angle lambda lowers the groove by
-delta = h/cos(lambda) along the axis. The worn grooves are z = g_i(psi) - delta_i(psi), and the pin is where
-they meet. To first order the follower sinks by (a_2 delta_1 + a_1 delta_2)/(a_1 + a_2), a_i = dg_i/dpsi. The
-spring loses stiffness times that way. The slope of the worn grooves changes the torque, too.
-
-The load is that of the new mechanism: the wear of many cycles is in proportion to their number, but for the
-flat of the pin. Since wear unloads the spring, this is slightly too much.
-
-Source: J. F. Archard, Contact and rubbing of flat surfaces, Journal of Applied Physics 24 (1953);
-docs/design-quantities.md has the derivation.
+    depth of a groove  K N/L in each pass of the pin, normal to the flank; lowered by h/cos(lambda)
+    flat of a pin      h = (3 V/(4 L sqrt(2 R)))^(2/3) from the lost volume V; R the least relative radius
+    a pin that turns   h = V/(2 pi r L)
 """
 
 from __future__ import annotations

@@ -1,25 +1,11 @@
 """Grease whose viscosity falls with the temperature, and the friction in a groove that follows from it.
 
-The base oil obeys Vogel's law, with the temperature T [K]:
+docs/use-temperature.md explains Vogel's law, from two viscosities of a data sheet and the line of ASTM D341
+through both, and the friction that keeps its shape over viscosity times speed (Hersey number):
 
-    eta(T) = A exp(B/(T - C))
-
-The friction coefficient of a lubricated contact under a given load depends on the product of viscosity and
-sliding speed (Hersey number eta v/p). The FMU's law over the sliding speed v (docs/mechanism.md, section 9)
-keeps its shape over eta v, so two of its coefficients move with the temperature:
-
-    mu(v, T) = mu_k [1 + (peak - 1) exp(-(v/v_s)^delta)] + mu_v v
+    eta(T) = A exp(B/(T - C))                         log10(log10(nu + 0.7)) = a - b log10(T)
     v_s(T) = v_s(40 degC) eta(40 degC)/eta(T)         the Stribeck velocity: the thinner the oil, the faster
     mu_v(T) = mu_v(40 degC) eta(T)/eta(40 degC)       the slope of the lubricated branch
-
-The static and the kinetic coefficient are those of the boundary layer and stay as they are.
-
-The three constants of Vogel's law come from two numbers of a data sheet, the kinematic viscosities at 40 and
-100 degC. The third point is that at 0 degC on the straight line of ASTM D341 through both:
-
-    log10(log10(nu + 0.7)) = a - b log10(T)        nu in mm2/s
-
-Between 0 and 120 degC both laws differ by 2 % at most. The density is taken as constant.
 
 Sources: H. Vogel, Physikalische Zeitschrift 22 (1921); ASTM D341; M. D. Hersey, The laws of lubrication of
 horizontal journal bearings, Journal of the Washington Academy of Sciences 4 (1914).

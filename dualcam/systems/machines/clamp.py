@@ -1,12 +1,9 @@
 """A spring clamp with the dual cam in a cold hall: its cam, its servo, its grease, its thermal network.
 
-A servo loads the clamp's spring, the stick band holds the clamp, the servo releases the spring, and the next
-workpiece comes. Friction turns a part of each cycle's work into heat. The heat warms the grease, and the
-warm grease changes the friction of the next cycles.
-
-The loop over the temperature is closed outside the FMU, once per cycle, while the clamp rests. The heat of
-both contacts (`energy.heat_cam1`, `energy.heat_cam2`) goes into the thermal network. The temperature of the
-contact zone gives `cam1.stribeck_velocity` and `cam1.friction_viscous` (likewise cam2), which are tuned.
+Friction turns a part of each cycle's work into heat, which warms the grease and changes the friction. The
+loop over the temperature is closed outside the FMU, once per cycle, while the clamp rests: the heat of both
+contacts goes into the thermal network, and the temperature of the contact zone gives
+`cam1.stribeck_velocity` and `cam1.friction_viscous` (likewise cam2), which are tuned.
 
 The viscosity of the grease is that of a data sheet. The coefficients of friction and the thermal network are
 plausible for greased steel and a housing of 1 kg, not measured.
