@@ -27,10 +27,7 @@ DIFFERENCE = 1e-6  # rad, rad/s, rad/s2, and relative: shift of the motion for t
 class ShaftMotion(NamedTuple):
     """The motion of cam 2's shaft, where the plant acts.
 
-    Attributes
-    ----------
-    time : Time [s].
-    theta, omega, alpha : Angle [rad], speed [rad/s], acceleration [rad/s2].
+    `time` [s]. `theta`, `omega`, `alpha`: angle [rad], speed [rad/s], acceleration [rad/s2].
     """
 
     time: float
@@ -45,11 +42,8 @@ PlantTorque = Callable[[ShaftMotion], float]  # N.m on the shaft, + in the direc
 class Impedance(NamedTuple):
     """What a plant opposes to the motion: minus the derivatives of its torque.
 
-    Attributes
-    ----------
-    stiffness : -d tau/d theta [N.m/rad].
-    damping : -d tau/d omega [N.m.s/rad].
-    inertia : -d tau/d alpha [kg.m2].
+    `stiffness`: -d tau/d theta [N.m/rad]. `damping`: -d tau/d omega [N.m.s/rad]. `inertia`: -d tau/d alpha
+    [kg.m2].
     """
 
     stiffness: float = 0.0

@@ -89,14 +89,8 @@ def _check_lead_angle(value: float) -> None:
 class Helix:
     """A groove of constant lead angle: z = r tan(lambda) psi.
 
-    Parameters
-    ----------
-    radius : Radius r of the cam [m], > 0.
-    lead_angle : Lead angle lambda [rad], from 0 to less than pi/2.
-
-    Raises
-    ------
-    DesignError : A value outside its range.
+    `radius` r of the cam [m], > 0. `lead_angle`: lead angle lambda [rad], from 0 to less than pi/2.
+    DesignError: a value outside its range.
 
     Notes
     -----

@@ -25,10 +25,7 @@ END_SLACK = 1e-12  # of an angle: a groove may end that much before a stop, as i
 class Spring:
     """The spring: F_s(z) = preload + stiffness z + stiffness2 z^2 + stiffness3 z^3.
 
-    Parameters
-    ----------
-    preload : Force at z = 0 [N].
-    stiffness, stiffness2, stiffness3 : Coefficients [N/m, N/m2, N/m3].
+    `preload`: force at z = 0 [N]. `stiffness`, `stiffness2`, `stiffness3`: coefficients [N/m, N/m2, N/m3].
 
     Examples
     --------

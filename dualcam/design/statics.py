@@ -156,11 +156,8 @@ def _check_ranges(friction: Pair, radius: Pair) -> None:
 class BestLeadAngles:
     """The pair of lead angles with the best efficiency.
 
-    Attributes
-    ----------
-    lead_angle : lambda_1 and lambda_2 [rad].
-    efficiency : The best efficiency.
-    friction : mu_e: two equal contacts with this coefficient would have the same efficiency.
+    `lead_angle`: lambda_1 and lambda_2 [rad]. `efficiency`: the best efficiency. `friction`: mu_e: two equal
+    contacts with this coefficient would have the same efficiency.
     """
 
     lead_angle: tuple[float, float]
@@ -218,11 +215,9 @@ def optimum(friction: Sequence[float], radius: Sequence[float] = (1.0, 1.0)) -> 
 class EfficiencyMap:
     """Efficiency over both lead angles.
 
-    Attributes
-    ----------
-    lead_angle : Lead angles of both axes [rad], shape (n,).
-    efficiency : [i, j] at lambda_1 = lead_angle[j], lambda_2 = lead_angle[i], shape (n, n).
-    friction, radius : Coefficients of friction [1] and radii [m].
+    `lead_angle`: lead angles of both axes [rad], shape (n,). `efficiency`: [i, j] at lambda_1 =
+    lead_angle[j], lambda_2 = lead_angle[i], shape (n, n). `friction`, `radius`: coefficients of friction [1]
+    and radii [m].
     """
 
     lead_angle: Array

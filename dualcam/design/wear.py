@@ -35,9 +35,7 @@ NEWTON_STEPS = 40
 class WearLife:
     """Cycles until the wear has an allowed depth.
 
-    Attributes
-    ----------
-    groove1, groove2, pin : Cycles of each part; infinite for a part that does not wear.
+    `groove1`, `groove2`, `pin`: cycles of each part; infinite for a part that does not wear.
     """
 
     groove1: float

@@ -32,11 +32,8 @@ TORQUE = TableKind(
 class TorqueCurve:
     """Samples of a torque over the angle, from a file.
 
-    Attributes
-    ----------
-    theta : Angles [rad], shape (n,).
-    torque : Torques [N.m], shape (n,).
-    angle_unit, torque_unit : Units in the file, as its header has them.
+    `theta`: angles [rad], shape (n,). `torque`: torques [N.m], shape (n,). `angle_unit`, `torque_unit`: units
+    in the file, as its header has them.
     """
 
     theta: Array

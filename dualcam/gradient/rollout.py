@@ -29,11 +29,8 @@ INITIAL = ("initial.theta", "initial.omega")
 class Gradient:
     """The gradient of a loss, of the shapes of the arguments of the run.
 
-    Attributes
-    ----------
-    start : By theta [1/rad] and omega [s/rad] at the start, shape (count, 2).
-    inputs : By the inputs of each step, shape (count, steps, n).
-    parameters : By the parameters, shape (count, k).
+    `start`: by theta [1/rad] and omega [s/rad] at the start, shape (count, 2). `inputs`: by the inputs of
+    each step, shape (count, steps, n). `parameters`: by the parameters, shape (count, k).
     """
 
     start: Array
@@ -45,12 +42,9 @@ class Gradient:
 class Rollout:
     """A run of all instances, with the Jacobian of each step.
 
-    Attributes
-    ----------
-    states : theta [rad] and omega [rad/s] after each step, shape (count, steps, 2).
-    jacobians
-        Derivatives of theta and omega after a step by theta and omega before it, by the n inputs of the step,
-        and by the k parameters, shape (count, steps, 2, 2 + n + k).
+    `states`: theta [rad] and omega [rad/s] after each step, shape (count, steps, 2). `jacobians`: derivatives
+    of theta and omega after a step by theta and omega before it, by the n inputs of the step, and by the k
+    parameters, shape (count, steps, 2, 2 + n + k). `input_count`: n.
     """
 
     states: Array

@@ -32,11 +32,8 @@ MOST_FRICTION = 0.3
 class ElbowTask(MoveTask):
     """Move the arm from a random angle to another one and hold it there. Payload and friction are unknown.
 
-    Parameters
-    ----------
-    energy_weight, error_weight, impact_weight : As in `Task`.
-    payload : Least and largest payload [kg].
-    friction : Least and largest Coulomb coefficient of both contacts [1].
+    `energy_weight`, `error_weight`, `impact_weight`: as in `Task`. `payload`: least and largest payload [kg].
+    `friction`: least and largest Coulomb coefficient of both contacts [1].
     """
 
     payload: Range = (0.5, 2.5)

@@ -26,11 +26,8 @@ Range = tuple[float, float]
 class Quantity(NamedTuple):
     """One entry of an observation.
 
-    Parameters
-    ----------
-    name : Name of the quantity.
-    unit : Its unit; 1 where there is none.
-    low, high : Bounds of its values, in the unit.
+    `name` of the quantity. `unit`: its unit; 1 where there is none. `low`, `high`: bounds of its values, in
+    the unit.
     """
 
     name: str
@@ -58,11 +55,8 @@ class Motion(NamedTuple):
 class Task(ABC):
     """A mechanism with a motor, its random loads, and the cost of an episode.
 
-    Parameters
-    ----------
-    energy_weight : Cost of energy drawn from the supply [1].
-    error_weight : Cost of the squared error of the angle over time [J/(rad2.s)].
-    impact_weight : Cost of heat at the end stops [1].
+    `energy_weight`: cost of energy drawn from the supply [1]. `error_weight`: cost of the squared error of
+    the angle over time [J/(rad2.s)]. `impact_weight`: cost of heat at the end stops [1].
     """
 
     energy_weight: float = 1.0

@@ -29,11 +29,8 @@ LOSSES = ("friction", *SPEED_TERMS)
 class Ambiguity:
     """Unknowns that can change together while the torque stays the same within its noise.
 
-    Attributes
-    ----------
-    names : The unknowns; one name: the recording says nothing about this unknown.
-    text : A sentence with an example in numbers.
-    advice : What would tell the unknowns apart.
+    `names`: the unknowns; one name: the recording says nothing about this unknown. `text`: a sentence with an
+    example in numbers. `advice`: what would tell the unknowns apart.
     """
 
     names: tuple[str, ...]

@@ -97,15 +97,9 @@ class DriveTrain(CamJoint):
     `inertia.shaft` is that of cam and rotor. All friction laws, dampers and inertias of the cam act. The time
     step h should satisfy K h^2 <= `inertia.shaft`; beyond comes an UnstableCouplingWarning.
 
-    Parameters
-    ----------
-    joint, stiffness, design, parameters, ratio, offset, cam_stops
-        As in `CamJoint`. `inertia.shaft` must be > 0.
-    damping : Damping of the shaft between the cam and the joint [N.m.s/rad].
-
-    Raises
-    ------
-    MujocoError : A number that cannot be.
+    `joint`, `stiffness`, `design`, `parameters`, `ratio`, `offset`, `cam_stops`: as in `CamJoint`.
+    `inertia.shaft` must be > 0. `damping` of the shaft between the cam and the joint [N.m.s/rad].
+    MujocoError: a number that cannot be.
     """
 
     damping: float = 0.0

@@ -35,12 +35,8 @@ class _Views(NamedTuple):
 class SimulationState(NamedTuple):
     """The whole state of a CamSimulation, from `CamSimulation.save`.
 
-    Attributes
-    ----------
-    physics
-        State of each mjData, as `mujoco.mj_getState` gives it for mjSTATE_INTEGRATION, shape (count, size).
-    ports : States of the cams.
-    arrays : Torques of the last step.
+    `physics`: state of each mjData, as `mujoco.mj_getState` gives it for mjSTATE_INTEGRATION, shape (count,
+    size). `ports`: states of the cams. `arrays`: torques of the last step.
     """
 
     physics: Array

@@ -24,10 +24,8 @@ ROTATIONS = {"counterclockwise": 1, "clockwise": -1}  # of cam 2 while loading, 
 class Curve(NamedTuple):
     """A curve on a cylinder around the cam's axis.
 
-    Attributes
-    ----------
-    psi : Angle [rad], in the direction in which the pin moves along the groove while loading.
-    z : Height [m]; 0 is the height of the pin's axis at theta = 0.
+    `psi`: angle [rad], in the direction in which the pin moves along the groove while loading. `z`: height
+    [m]; 0 is the height of the pin's axis at theta = 0.
     """
 
     psi: Array
@@ -37,10 +35,7 @@ class Curve(NamedTuple):
 class Flanks(NamedTuple):
     """Both flanks of a groove on one cylinder.
 
-    Attributes
-    ----------
-    upper : The flank above the pin.
-    lower : The flank below the pin: the flank that carries the spring.
+    `upper`: the flank above the pin. `lower`: the flank below the pin: the flank that carries the spring.
     """
 
     upper: Curve

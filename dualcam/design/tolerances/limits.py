@@ -21,16 +21,9 @@ Bound = float | Sequence[float] | Array | Callable[[Array], Array | float]
 class Limit:
     """Allowed values of one quantity at all angles.
 
-    Parameters
-    ----------
-    quantity : A quantity of the analysis, one of "load", "release", "efficiency", "z", "backlash".
-    least, most
-        Bounds in the quantity's unit: one number, a value for each angle, or a function of the angles [rad],
-        shape (n,).
-
-    Raises
-    ------
-    DesignError : Another quantity, no bound, or a least value above the most.
+    `quantity`: a quantity of the analysis, one of "load", "release", "efficiency", "z", "backlash". `least`,
+    `most`: bounds in the quantity's unit: one number, a value for each angle, or a function of the angles
+    [rad], shape (n,). DesignError: another quantity, no bound, or a least value above the most.
 
     Examples
     --------

@@ -55,12 +55,8 @@ class AxisController(Protocol):
 class CamGear(NamedTuple):
     """How an axis drives the cam: theta = ratio (angle - offset), tau = torque/ratio.
 
-    With ratio < 0 the cam turns against the axis. All methods take one float or an array.
-
-    Parameters
-    ----------
-    ratio : Angle of the cam over that of the axis [1], not 0.
-    offset : Angle of the axis at theta = 0 [rad].
+    With ratio < 0 the cam turns against the axis. All methods take one float or an array. `ratio`: angle of
+    the cam over that of the axis [1], not 0. `offset`: angle of the axis at theta = 0 [rad].
 
     Examples
     --------
@@ -104,12 +100,8 @@ class CamAxis:
     """The forward FMU as an axis with its own angle: theta = ratio (angle - offset).
 
     A torque on the axis acts as tau = torque/ratio on the cam. With ratio < 0 the cam turns against the axis.
-
-    Parameters
-    ----------
-    fmu : The forward FMU.
-    ratio : Angle of the cam over that of the axis [1], not 0.
-    offset : Angle of the axis at theta = 0 [rad].
+    `fmu`: the forward FMU. `ratio`: angle of the cam over that of the axis [1], not 0. `offset`: angle of the
+    axis at theta = 0 [rad].
 
     Examples
     --------
@@ -194,10 +186,7 @@ class CamAxis:
 class Recorder:
     """Collects a Record period by period.
 
-    Parameters
-    ----------
-    periods : Number of control periods of the run.
-    period : Control period [s].
+    `periods`: number of control periods of the run. `period`: control period [s].
     """
 
     def __init__(self, periods: int, period: float) -> None:

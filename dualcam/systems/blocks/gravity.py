@@ -17,11 +17,8 @@ class GravityLoad(Generic[Number]):
     """A mass on an arm, or many of them: a pendulum that leans from upright at theta = 0 and falls as theta
     grows.
 
-    Parameters
-    ----------
-    moment : Mass times distance of its centre from the axis [kg.m], float or shape (count,).
-    lean : Lean from upright at theta = 0 [rad], float or shape (count,).
-    gravity : Acceleration of gravity [m/s2].
+    `moment`: mass times distance of its centre from the axis [kg.m], float or shape (count,). `lean` from
+    upright at theta = 0 [rad], float or shape (count,). `gravity`: acceleration of gravity [m/s2].
 
     Examples
     --------

@@ -72,15 +72,9 @@ def check_temperature(name: str, value: float) -> None:
 class BaseOil:
     """The base oil of a grease, from its data sheet.
 
-    Parameters
-    ----------
-    viscosity_40 : Kinematic viscosity at 40 degC [mm2/s].
-    viscosity_100 : Kinematic viscosity at 100 degC [mm2/s], above 1 and below that at 40 degC.
-    density : Density [kg/m3].
-
-    Raises
-    ------
-    DesignError : A value is not finite or not in its range.
+    `viscosity_40`: kinematic viscosity at 40 degC [mm2/s]. `viscosity_100`: kinematic viscosity at 100 degC
+    [mm2/s], above 1 and below that at 40 degC. `density` [kg/m3]. DesignError: a value is not finite or not
+    in its range.
 
     Examples
     --------

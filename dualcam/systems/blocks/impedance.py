@@ -13,10 +13,7 @@ from dualcam.common.moved import old_names
 class ImpedanceController:
     """A virtual spring and damper between a joint and its reference motion.
 
-    Parameters
-    ----------
-    stiffness : Stiffness of the virtual spring [N.m/rad].
-    damping : Coefficient of the virtual damper [N.m.s/rad].
+    `stiffness` of the virtual spring [N.m/rad]. `damping`: coefficient of the virtual damper [N.m.s/rad].
 
     Examples
     --------

@@ -70,10 +70,7 @@ class PickAndPlace:
 class FourierSeries:
     """A periodic function of time as a Fourier series, with its derivatives.
 
-    Parameters
-    ----------
-    coefficients : Mean, then cosine and sine of each harmonic.
-    period : Period [s].
+    `coefficients`: mean, then cosine and sine of each harmonic. `period` [s].
     """
 
     coefficients: tuple[float, ...]

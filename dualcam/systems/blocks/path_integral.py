@@ -113,10 +113,8 @@ def shaped_basis(basis: Array, curvature: Array) -> Array:
 class Noise(NamedTuple):
     """Random deviations of plans: each is a normal draw of coefficients times a scale of its own.
 
-    Parameters
-    ----------
-    basis : What the coefficients multiply, shape (horizon, knots).
-    scales : Scale of each deviation, shape (count,).
+    `basis`: what the coefficients multiply, shape (horizon, knots). `scales`: scale of each deviation, shape
+    (count,).
     """
 
     basis: Array

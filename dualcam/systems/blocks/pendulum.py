@@ -12,10 +12,8 @@ from dualcam.systems.blocks.elementwise import Number, cosine, sine
 class HingeMotion(NamedTuple):
     """The motion of a hinge at one time, with time derivatives.
 
-    Parameters
-    ----------
-    tilt : Inclination of the carrier from straight down, + forward: derivatives 0 to 4 [rad, rad/s, ...].
-    forward, upward : The hinge's acceleration: derivatives 0 to 2 [m/s2, m/s3, m/s4].
+    `tilt`: inclination of the carrier from straight down, + forward: derivatives 0 to 4 [rad, rad/s, ...].
+    `forward`, `upward`: the hinge's acceleration: derivatives 0 to 2 [m/s2, m/s3, m/s4].
     """
 
     tilt: tuple[float, float, float, float, float]

@@ -22,11 +22,8 @@ from dualcam.systems.blocks.helical_cam import HelicalCam, holding_torque
 class Gains(NamedTuple):
     """Gains of the position controller, as acceleration per error.
 
-    Parameters
-    ----------
-    angle : Of the angle's error [1/s2].
-    speed : Of the speed's error [1/s].
-    integral : Of the integral of the angle's error [1/s3].
+    `angle`: of the angle's error [1/s2]. `speed`: of the speed's error [1/s]. `integral`: of the integral of
+    the angle's error [1/s3].
     """
 
     angle: float
@@ -73,11 +70,8 @@ def lqi_gains(bandwidth: float, period: float) -> Gains:
 class RestLimits:
     """When the controller lets the joint rest in the stick band.
 
-    Parameters
-    ----------
-    tolerance : Largest error of the angle [rad]; twice that once the joint rests.
-    speed : Largest speed [rad/s].
-    margin : Share of the band's half width between a held load and the band's edge [1].
+    `tolerance`: largest error of the angle [rad]; twice that once the joint rests. `speed`: largest speed
+    [rad/s]. `margin`: share of the band's half width between a held load and the band's edge [1].
     """
 
     tolerance: float

@@ -16,13 +16,8 @@ from dualcam.design.statics import Array
 class RadauGrid:
     """Radau IIA collocation: the last node of an interval is its end.
 
-    Source: L. T. Biegler, Nonlinear Programming, SIAM 2010, chapter 10.
-
-    Parameters
-    ----------
-    duration : Duration of the plan [s].
-    intervals : Number of intervals.
-    nodes : Nodes in each interval.
+    Source: L. T. Biegler, Nonlinear Programming, SIAM 2010, chapter 10. `duration` of the plan [s].
+    `intervals`: number of intervals. `nodes` in each interval.
 
     Examples
     --------

@@ -109,10 +109,8 @@ def extreme_weight_torques() -> tuple[float, float]:
 class DoorCam:
     """Cam and damper as the door feels them: by the door's angle, as torque about the hinge.
 
-    Parameters
-    ----------
-    cam : The cam beside the hinge.
-    orifice : Quadratic damper on the follower while the door closes [N.s2/m2].
+    `cam`: the cam beside the hinge. `orifice`: quadratic damper on the follower while the door closes
+    [N.s2/m2].
     """
 
     cam: HelicalCam
@@ -264,12 +262,7 @@ def reference_motion() -> tuple[Array, Array]:
 
 @dataclass(frozen=True)
 class MotorCycle:
-    """Figures of a run in which the motor opens, holds and closes the door.
-
-    Parameters
-    ----------
-    record : The run.
-    """
+    """Figures of a run in which the motor opens, holds and closes the door. `record`: the run."""
 
     record: Record
 

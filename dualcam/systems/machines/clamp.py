@@ -94,10 +94,8 @@ def plant_parameters(temperature: float) -> dict[str, float]:
 class ServoSample(NamedTuple):
     """What the servo plans for one of its samples.
 
-    Parameters
-    ----------
-    torque : Feed-forward in the middle of the sample: inertia and the known friction [N.m].
-    angle, speed : Reference at the time of the measurement, one sample earlier [rad, rad/s].
+    `torque`: feed-forward in the middle of the sample: inertia and the known friction [N.m]. `angle`,
+    `speed`: reference at the time of the measurement, one sample earlier [rad, rad/s].
     """
 
     torque: float
@@ -112,10 +110,8 @@ class Servo:
     The command that acts in a sample is computed from the measurement one sample earlier. After a move and
     SETTLING the servo keeps its torque until the next move: the stick band holds the clamp.
 
-    Parameters
-    ----------
-    friction : Coulomb coefficient that the servo knows [1].
-    bandwidth : Both poles of the error without friction [rad/s].
+    `friction`: Coulomb coefficient that the servo knows [1]. `bandwidth`: both poles of the error without
+    friction [rad/s].
     """
 
     friction: float = SERVO_FRICTION
@@ -165,11 +161,8 @@ class Servo:
 class MidStroke(NamedTuple):
     """The middle of a move, where the planned acceleration is zero.
 
-    Parameters
-    ----------
-    torque : Torque of the servo [N.m].
-    theta, omega, alpha : Motion of the shaft [rad, rad/s, rad/s2].
-    friction_coefficient : Friction coefficient of the contacts with cam 1 [1].
+    `torque` of the servo [N.m]. `theta`, `omega`, `alpha`: motion of the shaft [rad, rad/s, rad/s2].
+    `friction_coefficient`: friction coefficient of the contacts with cam 1 [1].
     """
 
     torque: float
@@ -216,15 +209,8 @@ class WarmUp:
 class Clamp:
     """The forward FMU as the clamp, driven by the servo.
 
-    Parameters
-    ----------
-    fmu : The forward FMU.
-    temperature : Temperature of the contact zone at the start [K].
-    servo : The servo.
-
-    Raises
-    ------
-    FmuError : `fmu` is not the forward FMU.
+    `fmu`: the forward FMU. `temperature` of the contact zone at the start [K]. `servo`: the servo. FmuError:
+    `fmu` is not the forward FMU.
     """
 
     def __init__(self, fmu: Fmu, temperature: float, servo: Servo) -> None:

@@ -111,11 +111,7 @@ def friction_heat_of_slow_cycle(cam: HelicalCam) -> float:
 class Cycle:
     """Figures of the last cycle of a run.
 
-    Parameters
-    ----------
-    payload : Mass of the payload [kg].
-    joint : Name of the joint.
-    full_record : The run from the start.
+    `payload`: mass of the payload [kg]. `joint`: name of the joint. `full_record`: the run from the start.
     """
 
     payload: float

@@ -173,13 +173,9 @@ class Mppi:
 class Lqi:
     """The LQI of the example robot_joint, with the design's payload and friction or with better knowledge.
 
-    Parameters
-    ----------
-    payload, friction
-        Payload [kg] and Coulomb coefficient [1] that the controller believes. Default: those of the cam's
-        design.
-    belief : Gives payload and friction anew every 10 ms.
-    bandwidth : Of the position loop [Hz].
+    `payload`, `friction`: payload [kg] and Coulomb coefficient [1] that the controller believes. Default:
+    those of the cam's design. `belief`: gives payload and friction anew every 10 ms. `bandwidth`: of the
+    position loop [Hz].
     """
 
     def __init__(

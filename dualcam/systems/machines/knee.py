@@ -155,11 +155,8 @@ def simulate(
 class KneeSwing:
     """One simulated swing and its figures.
 
-    Parameters
-    ----------
-    motion : The measured motion, which is the plan.
-    inertia : Inertia of shank, foot and rotor about the knee [kg.m2].
-    record : The run.
+    `motion`: the measured motion, which is the plan. `inertia` of shank, foot and rotor about the knee
+    [kg.m2]. `record`: the run.
     """
 
     motion: Swing

@@ -29,11 +29,8 @@ EVOLUTION = (0.03, 0.003)  # kg, 1: least standard deviation that is added when 
 class Belief(NamedTuple):
     """States of the arm with payload and friction, one entry per hypothesis.
 
-    Parameters
-    ----------
-    angle, speed : State [rad, rad/s], shape (count,).
-    payload : Payload [kg], shape (count,).
-    friction : Coulomb coefficient of both contacts [1], shape (count,).
+    `angle`, `speed`: state [rad, rad/s], shape (count,). `payload` [kg], shape (count,). `friction`: Coulomb
+    coefficient of both contacts [1], shape (count,).
     """
 
     angle: Array
