@@ -59,8 +59,7 @@ class Spring:
 
     def parameters(self) -> dict[str, float]:
         """The FMU's parameters: start values by name."""
-        names = ("preload", "stiffness", "stiffness2", "stiffness3")
-        return {f"spring.{name}": getattr(self, name) for name in names}
+        return {f"spring.{name}": value for name, value in vars(self).items()}
 
 
 class Configuration(NamedTuple):

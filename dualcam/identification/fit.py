@@ -93,7 +93,7 @@ def identify(
         recording = read_recording(recording)
     design = as_design(design)
     unknowns = unknowns_of(design, fit)
-    tell = progress or _silent
+    tell = progress or (lambda stage: None)
     tell(f"{len(recording)} samples read, angle being smoothed")
     full = motion_of(recording, motion, window)
     _require_motion(full, len(unknowns))
@@ -132,10 +132,6 @@ def identify(
         missing=tuple(missing),
         levers=tuple(levers),
     )
-
-
-def _silent(stage: str) -> None:
-    """No report of the progress."""
 
 
 @contextmanager

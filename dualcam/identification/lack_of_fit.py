@@ -101,21 +101,17 @@ def lack_of_fit(
         one, shift = _one(other, column, residual, jacobian, solution.noise)
         if one is None:
             continue
-        found.append(one)
+        found.append((one, other))
         levers += _levers(unknowns, solution, other, shift)
     allowed = [
         one
-        for one, other in ((one, _named(others, one.name)) for one in found)
+        for one, other in found
         if abs(one.change) > (LIKELY if one.name == TORQUE_OFFSET else FAR) * one.half_width
         and other.least <= one.held + one.change <= other.greatest
     ]
     best = max((one.drop for one in allowed), default=0.0)
     near = [one for one in allowed if one.drop > AS_GOOD * best]
     return sorted(near, key=lambda one: (one.name == ANGLE_OFFSET, -one.drop)), levers
-
-
-def _named(unknowns: Sequence[Unknown], name: str) -> Unknown:
-    return next(one for one in unknowns if one.name == name)
 
 
 def _others(design: DesignFile, motion: MeasuredMotion, unknowns: Sequence[Unknown]) -> list[Unknown]:

@@ -77,7 +77,7 @@ def motion_of(recording: Recording, kind: str = AUTO, window: float | None = Non
         sign, limit = _signs(omega, noise)
         direction, slowest = np.where(_unsure(sign), 0, sign), float(np.median(limit))
     moving = direction != 0
-    alpha_rms, noise_rms = (_rms(values[moving]) for values in (alpha, alpha_noise))
+    alpha_rms, noise_rms = (rms_of(values[moving]) for values in (alpha, alpha_noise))
     if kind == AUTO:
         kind = DYNAMIC if alpha_rms > SEEN * noise_rms else QUASI_STATIC
     if recording.omega is None:
@@ -136,5 +136,6 @@ def _unsure(sign: NDArray[np.int_]) -> NDArray[np.bool_]:
     return unsure
 
 
-def _rms(values: Array) -> float:
+def rms_of(values: Array) -> float:
+    """Root mean square; 0 of no values."""
     return math.sqrt(float(np.mean(values**2))) if len(values) else 0.0

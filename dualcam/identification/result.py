@@ -13,7 +13,7 @@ from dualcam.design_file import DesignFile
 from dualcam.errors import IdentificationError
 from dualcam.identification.ambiguity import Ambiguity
 from dualcam.identification.lack_of_fit import Lever, Missing
-from dualcam.identification.motion import MeasuredMotion
+from dualcam.identification.motion import MeasuredMotion, rms_of
 from dualcam.identification.recording import Recording
 
 KNOWN, AT_LIMIT, OPEN = "known", "at its limit", "not determined"
@@ -144,11 +144,6 @@ class Fit:
 def _ordinal(number: int) -> str:
     ending = "th" if number % 100 in (11, 12, 13) else {1: "st", 2: "nd", 3: "rd"}.get(number % 10, "th")
     return f"{number}{ending}"
-
-
-def rms_of(values: Array) -> float:
-    """Root mean square; 0 of no values."""
-    return math.sqrt(float(np.mean(values**2))) if len(values) else 0.0
 
 
 def rows_of(fit: Fit) -> list[list[str]]:

@@ -49,7 +49,9 @@ def smooth(time: Array, samples: Array, half: int | None = None) -> Smooth:
     else:
         half = min(max(half, NARROWEST), (len(time) - 1) // 2)
         noise = _best(time, samples, [width for width in widths if width <= half])[1]
-    value, slope, curvature, slope_gain, curvature_gain = _parts(time, samples, _all(time), half)[:5]
+    value, slope, curvature, slope_gain, curvature_gain = _parts(time, samples, np.arange(len(time)), half)[
+        :5
+    ]
     return Smooth(value, slope, curvature, noise * slope_gain, noise * curvature_gain, noise, half)
 
 
@@ -81,20 +83,13 @@ def widths_of(count: int) -> list[int]:
 def _best(time: Array, samples: Array, widths: list[int]) -> tuple[int, float]:
     """The window of the least error of prediction, and the noise that its residuals show."""
     errors, variances = [], []
+    some = np.unique(np.linspace(0, len(time) - 1, min(len(time), TRIED)).astype(np.intp))
     for half in widths:
-        residual, leverage = _parts(time, samples, _some(time), half)[5:]
+        residual, leverage = _parts(time, samples, some, half)[5:]
         errors.append(float(np.mean((residual / (1.0 - leverage)) ** 2)))
         variances.append(float(np.sum(residual**2) / np.sum(1.0 - leverage)))
     best = int(np.argmin(errors))
     return widths[best], math.sqrt(variances[best])
-
-
-def _all(time: Array) -> NDArray[np.intp]:
-    return np.arange(len(time))
-
-
-def _some(time: Array) -> NDArray[np.intp]:
-    return np.unique(np.linspace(0, len(time) - 1, min(len(time), TRIED)).astype(np.intp))
 
 
 def _parts(time: Array, samples: Array, rows: NDArray[np.intp], half: int) -> list[Array]:
