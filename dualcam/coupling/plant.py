@@ -55,11 +55,8 @@ def reflected_inertia(gear_ratio: float, rotor_inertia: float) -> float:
     """Inertia N^2 J_rotor of a rotor behind its gear [kg.m2], to be added to the FMU's `inertia.shaft`.
 
     `gear_ratio`: N, turns of the rotor per turn of the shaft [1]. `rotor_inertia`: J_rotor [kg.m2].
-    CouplingError: if a value is not finite, or the inertia is negative.
-
-    Notes
-    -----
-    The rotor turns N times as fast, so its kinetic energy is 1/2 J_rotor (N omega)^2.
+    CouplingError: if a value is not finite, or the inertia is negative. The rotor turns N times as fast, so
+    its kinetic energy is 1/2 J_rotor (N omega)^2.
 
     Examples
     --------

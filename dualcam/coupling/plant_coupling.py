@@ -70,6 +70,9 @@ class CoupledStep:
 class PlantCoupling:
     """A plant in Python that acts on the shaft of the forward FMU.
 
+    Put the plant's inertia into `inertia.shaft` where you can: both couplings then are more exact, and stick,
+    slip and stops act on the whole inertia. See docs/couple-own-plant.md.
+
     Parameters
     ----------
     fmu : The forward FMU, started.
@@ -81,11 +84,6 @@ class PlantCoupling:
     Raises
     ------
     CouplingError : `fmu` is not the forward FMU, whose input is the torque.
-
-    Notes
-    -----
-    Put the plant's inertia into `inertia.shaft` where you can: both couplings then are more exact, and stick,
-    slip and stops act on the whole inertia. See docs/couple-own-plant.md.
 
     Examples
     --------

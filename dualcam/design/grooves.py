@@ -90,11 +90,7 @@ class Helix:
     """A groove of constant lead angle: z = r tan(lambda) psi.
 
     `radius` r of the cam [m], > 0. `lead_angle`: lead angle lambda [rad], from 0 to less than pi/2.
-    DesignError: a value outside its range.
-
-    Notes
-    -----
-    Source: docs/mechanism.md, section 2.
+    DesignError: a value outside its range. Source: docs/mechanism.md, section 2.
 
     Examples
     --------
@@ -146,6 +142,8 @@ def ellipse_law(
 class Ellipse:
     """A groove that unwraps to an arc of an ellipse.
 
+    Source: docs/mechanism.md, section 2.
+
     Parameters
     ----------
     radius : Radius of the cam [m], > 0.
@@ -156,10 +154,6 @@ class Ellipse:
     Raises
     ------
     DesignError : A value outside its range.
-
-    Notes
-    -----
-    Source: docs/mechanism.md, section 2.
 
     Examples
     --------

@@ -222,11 +222,7 @@ class HelicalSpring:
         """Stresses of a cycle between two forces, and the safety against fatigue.
 
         `least`, `largest`: forces at preload and at full stroke [N], 0 <= least <= largest. DesignError:
-        forces that are negative, not finite or exchanged.
-
-        Notes
-        -----
-        Source: the formulas at the head of this file.
+        forces that are negative, not finite or exchanged. Source: the formulas at the head of this file.
 
         Examples
         --------
@@ -265,11 +261,8 @@ class HelicalSpring:
     def buckling_deflection(self, free_length: float) -> float:
         """Deflection [m] at which the spring buckles between parallel plates; infinite if it never does.
 
-        `free_length`: length of the unloaded spring [m]. DesignError: a length that is not above 0.
-
-        Notes
-        -----
-        Source: EN 13906-1, buckling, with the seating coefficient 0.5 and steel.
+        `free_length`: length of the unloaded spring [m]. DesignError: a length that is not above 0. Source:
+        EN 13906-1, buckling, with the seating coefficient 0.5 and steel.
 
         Examples
         --------

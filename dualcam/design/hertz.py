@@ -79,11 +79,8 @@ def hertz_pressure(load: ArrayLike, pin: Pin, curvature: ArrayLike = 0.0) -> Arr
     """Largest pressure [Pa] between pin and flank, by Hertz; infinite where the flank is undercut.
 
     `load`: normal force of one contact [N]. `pin`. `curvature`: signed curvature of the path of the pin's
-    centre [1/m], for the flank below the path. For the flank above change the sign.
-
-    Notes
-    -----
-    Source: the formulas at the head of this file; K. L. Johnson, Contact Mechanics (1985), section 4.2(c).
+    centre [1/m], for the flank below the path. For the flank above change the sign. Source: the formulas at
+    the head of this file; K. L. Johnson, Contact Mechanics (1985), section 4.2(c).
 
     Examples
     --------
@@ -119,11 +116,8 @@ def relative_radius(pin: Pin, curvature: ArrayLike = 0.0) -> Array:
     """Relative radius of pin and flank [m]: 1/(1/r_pin + curvature of the flank).
 
     It is r_pin for a straight flank, more on a hollow flank, less on a bulging one; 0 or less where the flank
-    is undercut. `pin`. `curvature`: as in `hertz_pressure`, + where the groove steepens.
-
-    Notes
-    -----
-    The flank is parallel to the path at distance r_pin, so its curvature is k/(1 + k r_pin).
+    is undercut. `pin`. `curvature`: as in `hertz_pressure`, + where the groove steepens. The flank is
+    parallel to the path at distance r_pin, so its curvature is k/(1 + k r_pin).
 
     Examples
     --------
@@ -140,11 +134,8 @@ def line_contact(load: ArrayLike, pin: Pin, curvature: ArrayLike = 0.0) -> LineC
 
     `load`: normal force of one contact [N], >= 0. `pin`. `curvature`: signed curvature of the path of the
     pin's centre [1/m], as in `hertz_pressure`. On an undercut flank the pressure is infinite. DesignError: a
-    load that is negative or not finite.
-
-    Notes
-    -----
-    Source: the formulas at the head of this file; K. L. Johnson, Contact Mechanics (1985), section 4.2(c).
+    load that is negative or not finite. Source: the formulas at the head of this file; K. L. Johnson, Contact
+    Mechanics (1985), section 4.2(c).
 
     Examples
     --------
@@ -171,11 +162,7 @@ def shear_below(depth: ArrayLike, half_width: float, pressure: float) -> Array:
     """Largest shear stress below the middle of a line contact, by McEwen [Pa], of the shape of `depth`.
 
     `depth` below the surface [m], >= 0. `half_width`: half the width a of the contact [m], > 0. `pressure`:
-    largest pressure of the contact [Pa].
-
-    Notes
-    -----
-    Source: K. L. Johnson, Contact Mechanics (1985), section 4.2(c).
+    largest pressure of the contact [Pa]. Source: K. L. Johnson, Contact Mechanics (1985), section 4.2(c).
 
     Examples
     --------

@@ -75,6 +75,8 @@ class Configuration(NamedTuple):
 class Mechanism:
     """A pair of grooves with friction and a spring: geometry and torque of slow motion.
 
+    Source: docs/mechanism.md, sections 2 and 3.
+
     Parameters
     ----------
     grooves : Groove laws of cam 1 and cam 2.
@@ -88,10 +90,6 @@ class Mechanism:
     Raises
     ------
     DesignError : A value that no mechanism has, such as another number of contacts.
-
-    Notes
-    -----
-    Source: docs/mechanism.md, sections 2 and 3.
 
     Examples
     --------

@@ -85,11 +85,7 @@ def band_factors(slope: Pair, friction: Pair, radius: Pair) -> tuple[Array, Arra
 
     T_load is +inf where no torque loads. T_release is <= 0 where a contact locks itself (lambda_i <= atan
     mu_i), -inf where both are wedged. `slope`: slopes a_i = dz/dpsi of both grooves [m/rad]. `friction`:
-    coefficients of friction mu_i [1]. `radius`: radii r_i [m].
-
-    Notes
-    -----
-    Source: docs/mechanism.md, section 3.
+    coefficients of friction mu_i [1]. `radius`: radii r_i [m]. Source: docs/mechanism.md, section 3.
 
     Examples
     --------
@@ -122,9 +118,6 @@ def efficiency(lead_angle: Pair, friction: Pair, radius: Pair = (1.0, 1.0)) -> A
     It is <= 0 where a contact locks itself, -inf or nan where the mechanism is wedged. `lead_angle`: lead
     angles lambda_i [rad]. `friction`: coefficients of friction mu_i [1], >= 0. `radius`: radii r_i [m], > 0.
     Only the ratio of the radii counts. DesignError: a coefficient of friction or a radius outside its range.
-
-    Notes
-    -----
     Source: docs/mechanism.md, section 8.
 
     Examples

@@ -32,6 +32,9 @@ def synthesize(
 ) -> Design:
     """The groove that makes a given spring give a wanted torque in slow motion.
 
+    The torque is that of spring and friction: no external force, damper, mass or shaft damping. The FMU
+    refuses a mechanism that jams when loading; `assess` finds that. The equations are in groove_equation.py.
+
     Parameters
     ----------
     torque
@@ -62,11 +65,6 @@ def synthesize(
     Warns
     -----
     UnitWarning : If `upper` is above 2 pi, which looks like degrees.
-
-    Notes
-    -----
-    The torque is that of spring and friction: no external force, damper, mass or shaft damping. The FMU
-    refuses a mechanism that jams when loading; `assess` finds that. The equations are in groove_equation.py.
 
     Examples
     --------

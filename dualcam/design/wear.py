@@ -194,11 +194,7 @@ def wear(
     groove 1 and groove 2 [m3/(N.m)], >= 0: the FMU's `cam1.wear`, `cam2.wear`, shape (2,). `turns`: whether
     the pin turns in the groove, as a roller does. Then the pin wears all around. `points`: angles, evenly
     over the range, >= 5. DesignError: rates that are negative, too few points, an undercut flank, or grooves
-    that are level together.
-
-    Notes
-    -----
-    Source: the formulas at the head of this file.
+    that are level together. Source: the formulas at the head of this file.
 
     Examples
     --------

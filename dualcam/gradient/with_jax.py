@@ -26,7 +26,9 @@ def jax_rollout(fleet: DifferentiableFleet) -> Callable[[JaxArray, JaxArray, Jax
 
     The function is a `jax.custom_vjp`: JAX calls the fleet (`jax.pure_callback`), and goes backwards through
     the Jacobians of the steps. The function has first derivatives in reverse mode. `jax.vmap` makes one run
-    after another; give the fleet more instances instead.
+    after another; give the fleet more instances instead. Where no derivative exists, the derivative of one
+    side comes out, as `DifferentiableFleet` says. An error of the FMU comes as JAX's error, with the FMU's
+    message in its text.
 
     Parameters
     ----------
@@ -43,11 +45,6 @@ def jax_rollout(fleet: DifferentiableFleet) -> Callable[[JaxArray, JaxArray, Jax
     ------
     ImportError : JAX is not installed.
     DualcamError : JAX is set to numbers of 32 bits.
-
-    Notes
-    -----
-    Where no derivative exists, the derivative of one side comes out, as `DifferentiableFleet` says. An error
-    of the FMU comes as JAX's error, with the FMU's message in its text.
 
     Examples
     --------

@@ -46,6 +46,8 @@ class Flanks(NamedTuple):
 class GrooveCut:
     """The groove of one cam, for a pin whose axis is radial.
 
+    Source: docs/cut-grooves.md, which derives the flanks.
+
     Parameters
     ----------
     mechanism : Both grooves and the stops: they say how far the pin moves in each groove.
@@ -64,10 +66,6 @@ class GrooveCut:
     DesignError
         A groove that cannot be cut: an undercut flank, a groove that ends before a stop, grooves that run
         into one another, a value outside its range.
-
-    Notes
-    -----
-    Source: docs/cut-grooves.md, which derives the flanks.
 
     Examples
     --------

@@ -163,6 +163,9 @@ def analyse(
 ) -> ToleranceAnalysis:
     """The torque band of slow motion under tolerances.
 
+    Monte Carlo: JCGM 101:2008. First-order budget: JCGM 100:2008. Physics: docs/mechanism.md, sections 2 and
+    3, and for the clearance docs/design-tolerances.md.
+
     Parameters
     ----------
     design
@@ -190,11 +193,6 @@ def analyse(
         Unknown names, a distribution with values that are not allowed, grooves that end inside the range, a
         spring that pulls, a mechanism that jams at the means, or other bad arguments. The message names the
         value and what is allowed.
-
-    Notes
-    -----
-    Monte Carlo: JCGM 101:2008. First-order budget: JCGM 100:2008. Physics: docs/mechanism.md, sections 2
-    and 3, and for the clearance docs/design-tolerances.md.
 
     Examples
     --------

@@ -126,11 +126,8 @@ def yield_of(good: NDArray[np.bool_], label: str, confidence: float = 0.95) -> Y
     """The share of good mechanisms with its interval.
 
     `good`: which independent samples are good, shape (samples,). `label` of the limit. `confidence`:
-    probability of the interval.
-
-    Notes
-    -----
-    Source: C. J. Clopper, E. S. Pearson, Biometrika 26 (1934); `scipy.stats.binomtest`.
+    probability of the interval. Source: C. J. Clopper, E. S. Pearson, Biometrika 26 (1934);
+    `scipy.stats.binomtest`.
     """
     count = int(np.sum(good))
     found = binomtest(count, len(good)).proportion_ci(confidence, method="exact")

@@ -96,12 +96,9 @@ class Propagation:
 
         `level`: percentage, such as 97.5. `confidence`: probability that the interval, which a limited number
         of samples leaves, holds the true percentile. DesignError: a percentage outside 0 to 100, a confidence
-        outside 0 to 1, or too few samples.
-
-        Notes
-        -----
-        By order statistics: the number of samples below the percentile is binomial for every distribution.
-        Source: H. A. David, H. N. Nagaraja, Order Statistics (2003), section 7.1.
+        outside 0 to 1, or too few samples. By order statistics: the number of samples below the percentile is
+        binomial for every distribution. Source: H. A. David, H. N. Nagaraja, Order Statistics (2003), section
+        7.1.
         """
         from scipy.stats import binom
 
@@ -124,12 +121,9 @@ class Propagation:
         Both ends of the coverage interval are those of a normal distribution around the value at the means,
         within half a unit of the last digit that counts. `digits`: significant digits of the standard
         uncertainty that count. `coverage` probability of the interval that is compared. DesignError: no whole
-        number of digits from 1 on, or a coverage outside 0 to 1.
-
-        Notes
-        -----
-        Source: JCGM 101:2008, 7.9.2 and clause 8. With 10,000 samples the ends of the interval are known to
-        about 3 % of the standard uncertainty: enough for one digit, not for two.
+        number of digits from 1 on, or a coverage outside 0 to 1. Source: JCGM 101:2008, 7.9.2 and clause 8.
+        With 10,000 samples the ends of the interval are known to about 3 % of the standard uncertainty:
+        enough for one digit, not for two.
         """
         if not isinstance(digits, int) or digits < 1:
             raise DesignError(f"digits = {digits!r}: allowed is a whole number, 1 or more")

@@ -119,12 +119,9 @@ class Tolerance:
         parameter, in its unit. Not deviations: 20 mm +- 0.02 mm has the limits 0.01998 and 0.02002. `shape`:
         "normal": the limits are three standard deviations from the middle; parts beyond them are sorted out.
         "uniform": nothing but the limits is known. "triangular": the middle is more likely. DesignError:
-        limits that are no numbers or do not grow, or another shape.
-
-        Notes
-        -----
-        Source: JCGM 100:2008 (GUM), 4.3.7 and 4.3.9: the standard uncertainty of half-width a is a/sqrt(3)
-        for "uniform" and a/sqrt(6) for "triangular".
+        limits that are no numbers or do not grow, or another shape. Source: JCGM 100:2008 (GUM), 4.3.7 and
+        4.3.9: the standard uncertainty of half-width a is a/sqrt(3) for "uniform" and a/sqrt(6) for
+        "triangular".
 
         Examples
         --------

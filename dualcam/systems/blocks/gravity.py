@@ -64,10 +64,7 @@ def hinged_load(mass: float, hinge: tuple[Array, Array], centre: Array, up: Arra
 def vertical_in_car(pitch: float, roll: float) -> Array:
     """The upward vertical in the car's axes (x to the rear, y to the right, z to the roof), shape (3,).
 
-    `pitch`, `roll`: angles of the car [rad]; `pitch` > 0 lifts the nose, `roll` > 0 lifts the right side.
-
-    Notes
-    -----
-    The car is turned by R_x(roll) R_y(pitch). The vertical is the last row of that matrix.
+    `pitch`, `roll`: angles of the car [rad]; `pitch` > 0 lifts the nose, `roll` > 0 lifts the right side. The
+    car is turned by R_x(roll) R_y(pitch). The vertical is the last row of that matrix.
     """
     return np.array([-math.cos(roll) * math.sin(pitch), math.sin(roll), math.cos(roll) * math.cos(pitch)])

@@ -110,12 +110,9 @@ def fit_spring(
     """The cam with the spring that puts the middle of the stick band on a load, by least squares.
 
     `cam`: its spring is not used. `load`: wanted torque [N.m] by theta [rad], not 0. `lower`, `upper`: ends
-    of the range [rad]. `points`: number of angles.
-
-    Notes
-    -----
-    The middle is affine in theta, so both unknowns enter linearly. The deviation is weighted by 1/load: the
-    width of the band grows with the torque that it carries, and only inside the band a load is held for free.
+    of the range [rad]. `points`: number of angles. The middle is affine in theta, so both unknowns enter
+    linearly. The deviation is weighted by 1/load: the width of the band grows with the torque that it
+    carries, and only inside the band a load is held for free.
     """
     theta = np.linspace(lower, upper, points)
     wanted = np.array([load(angle) for angle in theta])

@@ -39,8 +39,6 @@ def arm_moment(payload: Number) -> Number:
 def arm_inertia(payload: Number) -> Number:
     """The inertia of the arm about the elbow [kg.m2], without the rotor, with a mass `payload` [kg].
 
-    Notes
-    -----
     Wrist and payload move along without turning, so they add no inertia of their own. The moment with which
     wrist 1 keeps them level against acceleration, at most 0.4 N.m at 1.5 kg here, is left out.
     """
