@@ -24,7 +24,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dualcam.common.arrays import number_of, real_array
+from dualcam.common.arrays import Array, number_of, real_array
 from dualcam.coupling.held_feedback import TorqueSwings, held_feedback_text
 from dualcam.coupling.plant import (
     DIFFERENCE,
@@ -40,7 +40,6 @@ from dualcam.coupling.plant import (
 )
 from dualcam.errors import CouplingError, UnstableCouplingWarning
 from dualcam.fmi.fmu import Fmu
-from dualcam.fmi.reals import Array
 
 STEP_SENSITIVITIES = ("step.dtheta_dtau", "step.domega_dtau")
 ITERATIONS = 100  # most trial steps of one implicit step; bisection alone needs about 60

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from dualcam.common.arrays import Array
 from dualcam.errors import DualcamError
-from dualcam.fmi.reals import Array
 from dualcam.gradient.rollout import DifferentiableFleet
 
 if TYPE_CHECKING:

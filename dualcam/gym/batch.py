@@ -7,10 +7,9 @@ from typing import NamedTuple, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from dualcam.common.arrays import real_array
+from dualcam.common.arrays import Array, real_array
 from dualcam.errors import FleetError, TaskError
 from dualcam.fleet import Fleet
-from dualcam.fmi.reals import Array
 from dualcam.gym.task import Motion, Scene, Task
 from dualcam.systems.blocks.axis import angle_amid
 from dualcam.systems.blocks.current_loop import CONTROL_PERIOD

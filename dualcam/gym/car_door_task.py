@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from dualcam.fmi.reals import Array
+from dualcam.common.arrays import Array
 from dualcam.gym.task import (
     MoveTask,
     Quantity,

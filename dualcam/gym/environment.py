@@ -8,9 +8,8 @@ import gymnasium
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from dualcam.common.arrays import real_array
+from dualcam.common.arrays import Array, real_array
 from dualcam.errors import TaskError
-from dualcam.fmi.reals import Array
 from dualcam.gym.batch import TERMS, Batch, Outcome
 from dualcam.gym.car_door_task import CarDoorTask
 from dualcam.gym.elbow_task import ElbowTask

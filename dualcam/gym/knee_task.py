@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from dualcam.fmi.reals import Array
+from dualcam.common.arrays import Array
 from dualcam.gym.task import (
     Motion,
     Quantity,

@@ -13,8 +13,8 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from dualcam.common.arrays import Array
 from dualcam.errors import TaskError
-from dualcam.fmi.reals import Array
 from dualcam.systems.blocks.axis import CamGear
 from dualcam.systems.blocks.motor import Motor
 

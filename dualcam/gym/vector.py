@@ -12,9 +12,9 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import ArrayLike, NDArray
 
+from dualcam.common.arrays import Array
 from dualcam.errors import TaskError
 from dualcam.fleet.arguments import whole_number
-from dualcam.fmi.reals import Array
 from dualcam.gym.batch import Batch
 from dualcam.gym.car_door_task import CarDoorTask
 from dualcam.gym.elbow_task import ElbowTask

@@ -11,10 +11,10 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from dualcam.common.arrays import Array
 from dualcam.errors import DualcamWarning, MujocoError, UnstableCouplingWarning
 from dualcam.fleet import Fleet, FleetState
 from dualcam.fleet.values import FleetValue
-from dualcam.fmi.reals import Array
 from dualcam.mujoco.cam_joint import CamJoint, DriveTrain
 from dualcam.mujoco.torques import CamLaw, DriveLaw, ShaftLaw
 

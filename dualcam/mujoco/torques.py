@@ -26,7 +26,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from dualcam.fmi.reals import Array
+from dualcam.common.arrays import Array
 
 SWEEPS = 200  # most sweeps of the Gauss-Seidel method
 TOLERANCE = 1e-13  # of the largest torque, for the change in a sweep
