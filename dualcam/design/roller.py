@@ -62,10 +62,8 @@ class Roller:
                 f"lever_arm = {self.lever_arm:g} m: allowed is 0 to less than the radius of the roller,"
                 f" {self.radius:g} m; hardened steel on hardened steel has about 1e-5 m"
             )
-
-        warn_units(
-            {name: (f"roller.{name}", getattr(self, name)) for name in ("bearing_radius", "lever_arm")}
-        )
+        lengths = ("bearing_radius", "lever_arm")
+        warn_units({name: (f"roller.{name}", getattr(self, name)) for name in lengths})
 
     @property
     def rolling_friction(self) -> float:

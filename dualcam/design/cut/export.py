@@ -76,12 +76,9 @@ def export_groove(
     ending = Path(path).suffix.lower()
     require_libraries(path)
     cuts = {cam: GrooveCut(mechanism, cam, pin_radius, run_out, loading) for cam in files}
-    if ending == ".csv":
+    if write := {".csv": write_csv, ".dxf": write_dxf}.get(ending):
         for cam, file in files.items():
-            write_csv(cuts[cam], file)
-    elif ending == ".dxf":
-        for cam, file in files.items():
-            write_dxf(cuts[cam], file)
+            write(cuts[cam], file)
     else:
         if depth is None:
             raise DesignError(
