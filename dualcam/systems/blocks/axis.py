@@ -86,12 +86,6 @@ def angle_amid(angle: Number, speed: Number, size: float) -> Number:
     """The angle [rad] at half of a step, at which a load acts that is held over the step.
 
     `angle`, `speed`: state at the beginning of the step [rad, rad/s]. `size`: length of the step [s].
-
-    Examples
-    --------
-    >>> from dualcam.systems.blocks.axis import angle_amid
-    >>> angle_amid(0.5, 2.0, 0.25)
-    0.75
     """
     return angle + 0.5 * size * speed
 

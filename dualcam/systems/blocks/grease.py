@@ -33,11 +33,6 @@ def check_number(name: str, value: float, least: float, unit: str, *, above: boo
 
     `name` and `unit` of the `value` are for the message. `least`: the least allowed value; `above`: refuse
     this one, too.
-
-    Examples
-    --------
-    >>> from dualcam.systems.blocks.grease import check_number
-    >>> check_number("density", 880.0, 0.0, "kg/m3", above=True)
     """
     if not _is_finite(value) or value < least or (above and value == least):
         sign = ">" if above else ">="
@@ -54,11 +49,6 @@ def check_temperature(name: str, value: float) -> None:
     """DesignError for a `value` [K] that is no number, or so low that degrees Celsius are meant.
 
     `name`: what the value is, for the message.
-
-    Examples
-    --------
-    >>> from dualcam.systems.blocks.grease import check_temperature
-    >>> check_temperature("air", 278.15)
     """
     if _is_finite(value) and value < LOWEST_AIR:
         raise DesignError(

@@ -26,12 +26,6 @@ def across_acceleration(ahead: Number, above: Number, inclination: Number) -> Nu
 
     `ahead`, `above`: acceleration forward and upward [m/s2]. `inclination` of the line from straight down, +
     forward [rad].
-
-    Examples
-    --------
-    >>> from dualcam.systems.blocks.pendulum import across_acceleration
-    >>> across_acceleration(2.0, 9.81, 0.0)
-    2.0
     """
     return ahead * cosine(inclination) + above * sine(inclination)
 

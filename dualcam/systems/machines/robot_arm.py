@@ -26,12 +26,6 @@ def arm_moment(payload: Number) -> Number:
     upright (the tool grips from the side): wrist and payload are then straight below wrist 1's axis. With the
     tool pointing down they are 0.085 m beside it. That adds the same torque at every angle, about 2 N.m at
     1.5 kg.
-
-    Examples
-    --------
-    >>> from dualcam.systems.machines.robot_arm import arm_moment
-    >>> round(arm_moment(1.5), 4)  # kg.m
-    0.9673
     """
     return FOREARM_MASS * FOREARM_CENTRE + (sum(WRIST_MASSES) + payload) * WRIST_DISTANCE
 
