@@ -48,7 +48,7 @@ myst_heading_anchors = 4  # anchors as GitHub makes them
 
 autosummary_generate = True
 autosummary_imported_members = True
-autodoc_typehints = "none"  # numpydoc sections name the types
+autodoc_typehints = "signature"  # docstrings give units and shapes
 autodoc_member_order = "bysource"
 maximum_signature_line_length = 60  # beyond, each parameter has a line of its own
 numpydoc_show_class_members = False

@@ -7,9 +7,10 @@ pictures that open in full size, and links from source code back to the API.
 
 from __future__ import annotations
 
+import inspect
 import os
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from html import escape
 from itertools import groupby
 from pathlib import Path
@@ -19,6 +20,7 @@ from docutils import nodes
 from docutils.parsers.rst import directives
 from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
+from sphinx.util.inspect import stringify_signature
 
 import dualcam
 from benchmarks.harness.old_figures import with_line
@@ -137,6 +139,22 @@ def mark_blocks(_: Sphinx, what: str, name: str, thing: object, options: object,
     lines[:] = marked
 
 
+def types_as_written(
+    _: Sphinx, what: str, name: str, thing: Callable[..., object], *more: object
+) -> tuple[str, str] | None:
+    """A signature with the types as the source names them: Array, not what NumPy makes of it."""
+    own = str(getattr(thing, "__module__", "")).startswith("dualcam")
+    if not own or what not in ("class", "function", "method"):
+        return None
+    signature = inspect.signature(thing)
+    listed = list(signature.parameters.values())
+    bound = what == "method" and listed[:1] and listed[0].name in ("self", "cls")
+    written = signature.replace(parameters=listed[bool(bound) :])
+    shown = stringify_signature(written, show_return_annotation=False, unqualified_typehints=True)
+    result = "" if what == "class" else written.return_annotation
+    return shown, result if isinstance(result, str) else ""
+
+
 def leave_out(_: Sphinx, what: str, name: str, thing: object, skip: bool, options: object) -> bool:
     """Whether a member is left out: fields of a NamedTuple, which the section Attributes describes."""
     return skip or (getattr(thing, "__doc__", "") or "").startswith("Alias for field number")
@@ -218,6 +236,7 @@ def setup(app: Sphinx) -> dict[str, Any]:
     app.connect("build-finished", write_moved)
     app.connect("source-read", show_file)
     app.connect("autodoc-process-docstring", mark_blocks, priority=400)  # before numpydoc
+    app.connect("autodoc-process-signature", types_as_written)
     app.connect("autodoc-skip-member", leave_out)
     app.connect("html-page-context", mend_back_links)
     app.connect("html-page-context", link_pictures)

@@ -83,8 +83,7 @@ class TorqueSwings:
 
 
 def held_feedback_text(swings: TorqueSwings, step: float, end: float, begin: float) -> str:
-    """Of the warning: torques of the plant function at the same motion, at the end of a step and at the
-    beginning of the next one [N.m]."""
+    """The warning about the plant's torques at one motion, at a step's end and the next's begin [N.m]."""
     return (
         f"{swings.in_words(step)}. Something outside the plant function changes the torque: at the same"
         f" motion the function returned {end:.6g} N.m at the end of a step and {begin:.6g} N.m at the"

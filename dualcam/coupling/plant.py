@@ -12,13 +12,10 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from dualcam.common.arrays import number_of, positive_number
+from dualcam.common.arrays import Array, number_of, positive_number
 from dualcam.errors import CouplingError
-
-Array = NDArray[np.float64]
 
 LARGEST_RADIUS = 1.001  # without a warning: errors that grow less than e times in 1000 steps
 ROUNDING = 1e-11  # of the spectral radius
@@ -30,12 +27,7 @@ DIFFERENCE = 1e-6  # rad, rad/s, rad/s2, and relative: shift of the motion for t
 class ShaftMotion(NamedTuple):
     """The motion of cam 2's shaft, where the plant acts.
 
-    Attributes
-    ----------
-    time : float
-        Time [s].
-    theta, omega, alpha : float
-        Angle [rad], speed [rad/s], acceleration [rad/s2].
+    `time` [s]. `theta`, `omega`, `alpha`: angle [rad], speed [rad/s], acceleration [rad/s2].
     """
 
     time: float
@@ -50,14 +42,8 @@ PlantTorque = Callable[[ShaftMotion], float]  # N.m on the shaft, + in the direc
 class Impedance(NamedTuple):
     """What a plant opposes to the motion: minus the derivatives of its torque.
 
-    Attributes
-    ----------
-    stiffness : float
-        -d tau/d theta [N.m/rad].
-    damping : float
-        -d tau/d omega [N.m.s/rad].
-    inertia : float
-        -d tau/d alpha [kg.m2].
+    `stiffness`: -d tau/d theta [N.m/rad]. `damping`: -d tau/d omega [N.m.s/rad]. `inertia`: -d tau/d alpha
+    [kg.m2].
     """
 
     stiffness: float = 0.0
@@ -66,28 +52,11 @@ class Impedance(NamedTuple):
 
 
 def reflected_inertia(gear_ratio: float, rotor_inertia: float) -> float:
-    """Inertia of a rotor as the shaft behind its gear feels it: N^2 J_rotor.
+    """Inertia N^2 J_rotor of a rotor behind its gear [kg.m2], to be added to the FMU's `inertia.shaft`.
 
-    Parameters
-    ----------
-    gear_ratio : float
-        N, turns of the rotor per turn of the shaft [1].
-    rotor_inertia : float
-        J_rotor [kg.m2].
-
-    Returns
-    -------
-    float
-        Inertia at the shaft [kg.m2]. Add it to `inertia.shaft` of the FMU.
-
-    Raises
-    ------
-    CouplingError
-        If a value is not finite, or the inertia is negative.
-
-    Notes
-    -----
-    The rotor turns N times as fast, so its kinetic energy is 1/2 J_rotor (N omega)^2.
+    `gear_ratio`: N, turns of the rotor per turn of the shaft [1]. `rotor_inertia`: J_rotor [kg.m2].
+    CouplingError: if a value is not finite, or the inertia is negative. The rotor turns N times as fast, so
+    its kinetic energy is 1/2 J_rotor (N omega)^2.
 
     Examples
     --------
@@ -101,16 +70,7 @@ def reflected_inertia(gear_ratio: float, rotor_inertia: float) -> float:
 def impedance_of(plant: PlantTorque, motion: ShaftMotion) -> Impedance:
     """Stiffness, damping and inertia of a plant at a motion, by central differences.
 
-    Parameters
-    ----------
-    plant : function of ShaftMotion
-        Torque on the shaft [N.m].
-    motion : ShaftMotion
-        Where the differences are taken.
-
-    Returns
-    -------
-    Impedance
+    `plant`: torque on the shaft [N.m]. `motion`: where the differences are taken.
 
     Examples
     --------
@@ -141,17 +101,12 @@ def spectral_radius(
 
     Parameters
     ----------
-    step : float
-        Communication step h [s].
-    inertia : float
-        Inertia J of the cam as the shaft feels it while it slides [kg.m2].
-    plant : Impedance
-        Of the plant at the shaft.
-    order : int
-        0: the torque is held over the step; 1, 2: the torque is a straight line, a parabola.
-    cam_damping : float
-        Viscous damping B of the cam itself, as the shaft feels it [N.m.s/rad].
-    plant_is_fmu : bool
+    step : Communication step h [s].
+    inertia : Inertia J of the cam as the shaft feels it while it slides [kg.m2].
+    plant : Of the plant at the shaft.
+    order : 0: the torque is held over the step; 1, 2: the torque is a straight line, a parabola.
+    cam_damping : Viscous damping B of the cam itself, as the shaft feels it [N.m.s/rad].
+    plant_is_fmu
         True: the plant is an FMU of its own, as in an SSP package. The master gives it the speed at the
         beginning of a step, and the cam gets the torque at the end of that step: one step later than from
         `PlantCoupling`. The torque is held, so `order` is 0.
@@ -243,20 +198,10 @@ def _phi(x: float) -> Array:
 
 
 def cam_of_step(step: float, dtheta_dtau: float, domega_dtau: float) -> tuple[float, float] | None:
-    """Inertia J and viscous damping B of the cam as the shaft feels them, from the interface Jacobian of a
-    step.
+    """Inertia J [kg.m2] and viscous damping B [N.m.s/rad] of the cam, from a step's interface Jacobian.
 
-    Parameters
-    ----------
-    step : float
-        Communication step h [s].
-    dtheta_dtau, domega_dtau : float
-        `step.dtheta_dtau` [rad/(N.m)] and `step.domega_dtau` [rad/(N.m.s)] after that step.
-
-    Returns
-    -------
-    tuple of two floats, or None
-        J [kg.m2] and B [N.m.s/rad]. None where the cam did not slide throughout the step.
+    None where the cam did not slide throughout the step. `step`: communication step h [s]. `dtheta_dtau`,
+    `domega_dtau`: `step.dtheta_dtau` [rad/(N.m)] and `step.domega_dtau` [rad/(N.m.s)] after that step.
 
     Notes
     -----
@@ -286,22 +231,13 @@ def cam_of_step(step: float, dtheta_dtau: float, domega_dtau: float) -> tuple[fl
 def largest_stable_step(
     inertia: float, plant: Impedance, order: int = 0, cam_damping: float = 0.0, *, plant_is_fmu: bool = False
 ) -> float:
-    """Communication step [s] up to which explicit coupling is stable.
+    """Communication step [s] up to which explicit coupling is stable, from 1e-9 to 1 s, else 0 or infinity.
 
-    Parameters
-    ----------
-    inertia : float
-        Inertia J of the cam as the shaft feels it [kg.m2].
-    plant : Impedance
-        Of the plant at the shaft.
-    order, cam_damping, plant_is_fmu
-        As in `spectral_radius`.
+    It is 0 where no step of that range is stable, infinity where all steps are. Stable means that no error
+    grows, however slowly. So the answer is 0 for a held spring without damping.
 
-    Returns
-    -------
-    float
-        Between 1e-9 s and 1 s, 0 where no step of that range is stable, infinity where all steps are. Stable
-        means that no error grows, however slowly. So the answer is 0 for a held spring without damping.
+    `inertia` J of the cam as the shaft feels it [kg.m2]. `plant`: of the plant at the shaft. `order`,
+    `cam_damping`, `plant_is_fmu`: as in `spectral_radius`.
 
     Examples
     --------
@@ -340,16 +276,11 @@ class LoopStability:
 
     Attributes
     ----------
-    step : float
-        Communication step [s].
-    inertia, cam_damping : float
-        Inertia [kg.m2] and viscous damping [N.m.s/rad] of the cam as the shaft feels them.
-    plant : Impedance
-        Of the plant, at the beginning of the step.
-    order : int
-        Order of the torque's polynomial.
-    spectral_radius : float
-        Factor by which errors grow per step [1].
+    step : Communication step [s].
+    inertia, cam_damping : Inertia [kg.m2] and viscous damping [N.m.s/rad] of the cam as the shaft feels them.
+    plant : Of the plant, at the beginning of the step.
+    order : Order of the torque's polynomial.
+    spectral_radius : Factor by which errors grow per step [1].
     """
 
     step: float

@@ -1,8 +1,4 @@
-"""An own plant in Python on the shaft of the forward FMU: explicit and implicit coupling, and which of them
-is stable.
-
-The plant is a function that gets the motion of the shaft and returns the torque on the shaft. The FMU gets
-that torque and returns the motion.
+"""An own plant in Python on the shaft of the forward FMU: explicit and implicit coupling.
 
     def motor(shaft: ShaftMotion) -> float:                  # N.m
         back_emf = torque_constant * gear_ratio * shaft.omega
@@ -12,25 +8,10 @@ that torque and returns the motion.
     for _ in range(1000):
         coupling.step_implicit(1e-3)
 
-Explicit coupling computes the torque from the motion at the beginning of the step. One step of the FMU is
-made, and an error of the torque comes back in the next step, multiplied. With the plant's stiffness K,
-damping D and inertia M, tau = tau_0 - K theta - D omega - M alpha, and the inertia J of the cam as the shaft
-feels it,
-
-    D h/J = D step.domega_dtau < 2      damping alone
-    M/J < 1                             inertia alone, whatever the step h is
-
-are the bounds of stability for a torque that is held over the step. In general the loop is stable where the
-spectral radius of the matrix that maps the errors of one step to those of the next step is at most 1.
-
-Implicit coupling solves for the torque that suits the motion over the same step. `step_implicit` does so by
-Newton's method with the interface Jacobian step.dtheta_dtau, step.domega_dtau. Implicit coupling is
-stable for every passive plant (K, D, M >= 0).
-
-Sources. Zero-stability of coupled simulators with direct feedthrough: R. Kuebler, W. Schiehlen, "Two Methods
-of Simulator Coupling", Mathematical and Computer Modelling of Dynamical Systems 6 (2000) 93-113. Newton's
-method at the interface: S. Sicklinger et al., "Interface Jacobian-based Co-Simulation", International Journal
-for Numerical Methods in Engineering 98 (2014) 418-444.
+Explicit coupling computes the torque from the motion at the beginning of the step: an error of the torque
+comes back in the next step, multiplied. Implicit coupling solves for the torque that suits the motion over
+the same step, by Newton's method with the interface Jacobian; it is stable for every passive plant.
+docs/couple-own-plant.md has bounds of stability and sources.
 """
 
 from __future__ import annotations
@@ -43,7 +24,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dualcam.common.arrays import number_of, real_array
+from dualcam.common.arrays import Array, number_of, real_array
 from dualcam.coupling.held_feedback import TorqueSwings, held_feedback_text
 from dualcam.coupling.plant import (
     DIFFERENCE,
@@ -59,7 +40,6 @@ from dualcam.coupling.plant import (
 )
 from dualcam.errors import CouplingError, UnstableCouplingWarning
 from dualcam.fmi.fmu import Fmu
-from dualcam.fmi.reals import Array
 
 STEP_SENSITIVITIES = ("step.dtheta_dtau", "step.domega_dtau")
 ITERATIONS = 100  # most trial steps of one implicit step; bisection alone needs about 60
@@ -72,15 +52,12 @@ class CoupledStep:
 
     Attributes
     ----------
-    torque : float
+    torque
         Torque on the shaft [N.m]: of an implicit step that of the whole step, of an explicit step that at its
         beginning.
-    motion : ShaftMotion
-        Motion at the end of the step.
-    fmu_steps : int
-        Steps that the FMU made, those that were taken back included.
-    stability : LoopStability or None
-        Of an explicit step in which the cam slid throughout, else None.
+    motion : Motion at the end of the step.
+    fmu_steps : Steps that the FMU made, those that were taken back included.
+    stability : Of an explicit step in which the cam slid throughout, else None.
     """
 
     torque: float
@@ -92,24 +69,20 @@ class CoupledStep:
 class PlantCoupling:
     """A plant in Python that acts on the shaft of the forward FMU.
 
+    Put the plant's inertia into `inertia.shaft` where you can: both couplings then are more exact, and stick,
+    slip and stops act on the whole inertia. See docs/couple-own-plant.md.
+
     Parameters
     ----------
-    fmu : Fmu
-        The forward FMU, started.
-    plant : function of ShaftMotion
+    fmu : The forward FMU, started.
+    plant
         Torque of the plant on the shaft [N.m]. All that depends on the motion at once belongs inside, also a
         controller's voltage. The function is called several times per step, so the function must not change
         the plant's own states. Change those after the step, from the step's result.
 
     Raises
     ------
-    CouplingError
-        `fmu` is not the forward FMU, whose input is the torque.
-
-    Notes
-    -----
-    Put the plant's inertia into `inertia.shaft` where you can: both couplings then are more exact, and stick,
-    slip and stops act on the whole inertia. See docs/couple-own-plant.md.
+    CouplingError : `fmu` is not the forward FMU, whose input is the torque.
 
     Examples
     --------
@@ -148,18 +121,10 @@ class PlantCoupling:
     def step_explicit(self, size: float, order: int = 0) -> CoupledStep:
         """One step with the plant's torque from the motion at the beginning of the step.
 
-        Parameters
-        ----------
-        size : float
-            Communication step [s].
-        order : int
-            0: the torque is held. 1, 2: the torque is a straight line, a parabola, through the plant's
-            torques at the motion that the FMU's derivatives predict. The error of theta is of order `order` +
-            1 in the step where the motion is smooth.
-
-        Returns
-        -------
-        CoupledStep
+        `size`: communication step [s]. `order`: 0: the torque is held. 1, 2: the torque is a straight line, a
+        parabola, through the plant's torques at the motion that the FMU's derivatives predict. The error of
+        theta is of order `order` + 1 in the step where the motion is smooth. CouplingError: if the plant
+        returns no finite number, or changes when it is called, or if `size` or `order` is not allowed.
 
         Warns
         -----
@@ -167,12 +132,6 @@ class PlantCoupling:
             Once per object, where the loop is unstable with this step, or where feedback that is computed
             outside the plant makes the torque go up and down without decay. The text has the numbers, and
             what works.
-
-        Raises
-        ------
-        CouplingError
-            If the plant returns no finite number, or changes when it is called, or if `size` or `order` is
-            not allowed.
         """
         size = check_positive("size", size, "s")
         check_order(order)
@@ -194,9 +153,8 @@ class PlantCoupling:
 
         Parameters
         ----------
-        size : float
-            Communication step [s].
-        end_weight : float
+        size : Communication step [s].
+        end_weight
             The plant gets the angle and the speed of the beginning of the step times 1 - end_weight plus
             those of the end times end_weight, and the mean acceleration. 0.5: the mean, an error of second
             order. 1: the end, an error of first order, but a stiff damper does not ring. Allowed is 0.5 to 1.
@@ -248,8 +206,7 @@ class PlantCoupling:
     def _residual(
         self, torque: float, begin: ShaftMotion, end: ShaftMotion, size: float, weight: float
     ) -> tuple[float, float]:
-        """The torque less that of the plant at the motion of this trial [N.m], and its derivative by the
-        torque."""
+        """The torque less the plant's at the motion of this trial [N.m], and its derivative by the torque."""
         dtheta, domega = self._sensitivity.read()
         motion = ShaftMotion(
             begin.time + weight * size,
@@ -332,27 +289,15 @@ class PlantCoupling:
 
 
 def step_difference(run: Callable[[float], ArrayLike], step: float) -> float:
-    """How much a run changes if its step is ten times shorter.
+    """The largest difference between a run and one of ten times shorter steps, in the unit of what `run`
+    returns.
 
-    Parameters
-    ----------
-    run : function of float
-        Makes the whole run from its start with that step [s]. Returns what is compared, such as the angle: at
-        the end, at instants that do not depend on the step, or after each step (or at the start and after
-        each step), along the first axis.
-    step : float
-        Communication step [s].
+    An error of first order in the step is 10/9 of this difference.
 
-    Returns
-    -------
-    float
-        Largest difference, in the unit of what `run` returns. An error of first order in the step is 10/9 of
-        this difference.
-
-    Raises
-    ------
-    CouplingError
-        `step` is not allowed, or what the runs return is not finite or does not fit together.
+    `run`: makes the whole run from its start with that step [s]. Returns what is compared, such as the angle:
+    at the end, at instants that do not depend on the step, or after each step (or at the start and after each
+    step), along the first axis. `step`: communication step [s]. CouplingError: `step` is not allowed, or what
+    the runs return is not finite or does not fit together.
 
     Examples
     --------
@@ -381,8 +326,7 @@ def step_difference(run: Callable[[float], ArrayLike], step: float) -> float:
 
 
 def _at_instants_of(whole: Array, fine: Array) -> Array:
-    """Those rows of a run with a tenth of the step that are at the instants of the whole run, if there are
-    such rows."""
+    """Those rows of a run with a tenth of the step that are at the instants of the whole run, if any."""
     if len(fine) == 10 * len(whole):
         return fine[9::10]
     if len(fine) == 10 * (len(whole) - 1) + 1:

@@ -23,16 +23,11 @@ class Design:
 
     Attributes
     ----------
-    mechanism : Mechanism
-        With the designed table as groove 1, or as both grooves.
-    direction : str
-        Direction in which the torque is wanted: "loading", "releasing" or "frictionless".
-    wanted : function
-        Wanted torque [N.m] at an array of theta [rad].
-    largest_error : float
-        Largest relative error of the torque that was found between the samples of the table [1].
-    largest_error_at : float
-        Angle theta of that error [rad].
+    mechanism : With the designed table as groove 1, or as both grooves.
+    direction : Direction in which the torque is wanted: "loading", "releasing" or "frictionless".
+    wanted : Wanted torque [N.m] at an array of theta [rad].
+    largest_error : Largest relative error of the torque that was found between the samples of the table [1].
+    largest_error_at : Angle theta of that error [rad].
     """
 
     mechanism: Mechanism
@@ -49,32 +44,13 @@ class Design:
         return groove
 
     def torque(self, theta: ArrayLike) -> Array:
-        """Torque of slow motion in the wanted direction, as in the FMU.
-
-        Parameters
-        ----------
-        theta : array_like
-            Angles of cam 2 [rad].
-
-        Returns
-        -------
-        ndarray
-            Torque [N.m], of the shape of `theta`.
-        """
+        """Torque of slow motion in the wanted direction [N.m], as in the FMU, at `theta` of cam 2 [rad]."""
         return self.mechanism.torque(theta, self.direction)
 
     def error(self, theta: ArrayLike) -> Array:
-        """Relative error of the torque: (given - wanted)/wanted.
+        """Relative error of the torque (given - wanted)/wanted [1] at angles `theta` of cam 2 [rad].
 
-        Parameters
-        ----------
-        theta : array_like
-            Angles of cam 2 [rad].
-
-        Returns
-        -------
-        ndarray
-            Error [1], of the shape of `theta`. Wanted torques below 1/1000 of the largest count as that much.
+        Wanted torques below 1/1000 of the largest count as that much.
         """
         theta = real_array(theta, "theta", DesignError)
         largest = np.max(np.abs(self.wanted(np.linspace(0.0, self.mechanism.upper, 400))))
@@ -82,17 +58,7 @@ class Design:
         return (self.torque(theta) - self.wanted(theta)) / scale
 
     def torque_band(self, points: int = POINTS) -> TorqueBand:
-        """What friction does to the finished grooves: torques of both directions and without friction.
-
-        Parameters
-        ----------
-        points : int
-            Number of angles, evenly over the range.
-
-        Returns
-        -------
-        TorqueBand
-        """
+        """The torque band of the finished grooves at `points` angles, evenly over the range."""
         return torque_band(self.mechanism, points)
 
     def summary(self) -> str:

@@ -97,8 +97,7 @@ class GrooveProblem:
     # ---- its solution ----
 
     def solve(self) -> GrooveSolution:
-        """The state over theta, integrated to rounding and then checked. DesignError where no groove gives
-        the torque."""
+        """The state over theta, integrated to rounding. DesignError where no groove gives the torque."""
         from scipy.integrate import solve_ivp
 
         theta, state = self.start()

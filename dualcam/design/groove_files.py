@@ -30,25 +30,13 @@ GROOVE = TableKind(
 
 @dataclass(frozen=True, eq=False)
 class GrooveFile:
-    """The samples of a file in SI units, and how the file was understood.
+    """The samples of a file in SI units, and how the file was understood."""
 
-    Attributes
-    ----------
-    psi, z : ndarray, shape (n,)
-        Angle of the pin along the groove [rad], and height [m].
-    units : tuple of str
-        Units in the file, such as ("deg", "mm").
-    notes : tuple of str
-        What was guessed, in words.
-    is_fmu_format : bool
-        Whether the FMU can read the file as it is.
-    """
-
-    psi: Array
-    z: Array
-    units: tuple[str, str]
-    notes: tuple[str, ...]
-    is_fmu_format: bool
+    psi: Array  # angle of the pin along the groove [rad], shape (n,)
+    z: Array  # height of the pin [m], shape (n,)
+    units: tuple[str, str]  # units in the file, such as ("deg", "mm")
+    notes: tuple[str, ...]  # what was guessed, in words
+    is_fmu_format: bool  # whether the FMU can read the file as it is
 
 
 def read_groove(

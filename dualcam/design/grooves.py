@@ -31,21 +31,11 @@ Numbers = float | NDArray[Any]
 
 
 class Point(NamedTuple):
-    """A groove law at one angle or at many.
+    """A groove law at one angle or at many."""
 
-    Attributes
-    ----------
-    z : ndarray
-        Height [m], of the shape of psi.
-    slope : ndarray
-        dz/dpsi [m/rad].
-    d2z_dpsi2 : ndarray
-        Second derivative [m/rad2].
-    """
-
-    z: Array
-    slope: Array
-    d2z_dpsi2: Array
+    z: Array  # height [m], of the shape of psi
+    slope: Array  # dz/dpsi [m/rad]
+    d2z_dpsi2: Array  # second derivative [m/rad2]
 
 
 class Groove(Protocol):
@@ -56,7 +46,7 @@ class Groove(Protocol):
     @property
     def range(self) -> tuple[float, float]: ...
     def at(self, psi: ArrayLike) -> Point:
-        """The law at psi; beyond its range, its value at that end."""
+        """The law at an angle `psi` [rad]; beyond its range, its value at that end."""
         ...
 
     def parameters(self) -> dict[str, float | int]:
@@ -65,19 +55,10 @@ class Groove(Protocol):
 
 
 def curvature(groove: Groove, psi: ArrayLike) -> Array:
-    """Curvature of the unwrapped path of the pin's centre: (g''/r^2)/(1 + (g'/r)^2)^(3/2).
+    """Curvature (g''/r^2)/(1 + (g'/r)^2)^(3/2) [1/m] of the unwrapped path of the pin's centre, + where the
+    groove steepens.
 
-    Parameters
-    ----------
-    groove : Groove
-        The groove law z = g(psi) on a cam of radius r.
-    psi : array_like
-        Angle of the pin along the groove [rad].
-
-    Returns
-    -------
-    ndarray
-        Curvature [1/m], + where the groove steepens, of the shape of `psi`.
+    `groove`: the groove law z = g(psi) on a cam of radius r. `psi`: angle of the pin along the groove [rad].
 
     Examples
     --------
@@ -108,21 +89,8 @@ def _check_lead_angle(value: float) -> None:
 class Helix:
     """A groove of constant lead angle: z = r tan(lambda) psi.
 
-    Parameters
-    ----------
-    radius : float
-        Radius r of the cam [m], > 0.
-    lead_angle : float
-        Lead angle lambda [rad], from 0 to less than pi/2.
-
-    Raises
-    ------
-    DesignError
-        A value outside its range.
-
-    Notes
-    -----
-    Source: docs/mechanism.md, section 2.
+    `radius` r of the cam [m], > 0. `lead_angle`: lead angle lambda [rad], from 0 to less than pi/2.
+    DesignError: a value outside its range. Source: docs/mechanism.md, section 2.
 
     Examples
     --------
@@ -146,40 +114,21 @@ class Helix:
         return -math.inf, math.inf
 
     def at(self, psi: ArrayLike) -> Point:
+        """The law at `psi` [rad], as `Groove.at`."""
         angle = real_array(psi, "psi", DesignError)
         gain = self.radius * math.tan(self.lead_angle)
         return Point(gain * angle, np.full(angle.shape, gain), np.zeros(angle.shape))
 
     def parameters(self) -> dict[str, float | int]:
+        """The FMU\'s parameters, as `Groove.parameters`."""
         return {"profile": 1, "radius": self.radius, "lead_angle": self.lead_angle}
 
 
 def ellipse_law(
     psi: NDArray[Any], radius: Numbers, start: Numbers, a: Numbers, b: Numbers, bending: int
 ) -> Point:
-    """The groove that unwraps to an arc of an ellipse, for arrays that broadcast, also of complex numbers.
-
-    Parameters
-    ----------
-    psi : ndarray
-        Angle of the pin along the groove [rad], inside the range of the law.
-    radius : float or ndarray
-        Radius of the cam [m].
-    start : float or ndarray
-        S at psi = 0: sin(atan(a/b tan(lead angle))) [1].
-    a, b : float or ndarray
-        Semi-axes along the circumference and along z [m].
-    bending : {1, -1}
-        +1: the groove steepens. -1: the groove flattens.
-
-    Returns
-    -------
-    Point
-
-    Notes
-    -----
-    Source: docs/mechanism.md, section 2.
-    """
+    """The groove that unwraps to an arc of an ellipse, from S = `start` at psi = 0 on, for arrays that
+    broadcast, also complex ones. `bending` is +1 where the groove steepens."""
     rate = bending * radius / a
     u = rate * psi
     S, C0 = start + u, np.sqrt(1.0 - start**2)
@@ -193,25 +142,18 @@ def ellipse_law(
 class Ellipse:
     """A groove that unwraps to an arc of an ellipse.
 
+    Source: docs/mechanism.md, section 2.
+
     Parameters
     ----------
-    radius : float
-        Radius of the cam [m], > 0.
-    lead_angle : float
-        Lead angle at psi = 0 [rad], from 0 to less than pi/2.
-    a, b : float
-        Semi-axes along the circumference and along z [m], > 0.
-    bending : {1, -1}
-        +1: the groove steepens. -1: the groove flattens. The FMU's `ellipse_curvature`.
+    radius : Radius of the cam [m], > 0.
+    lead_angle : Lead angle at psi = 0 [rad], from 0 to less than pi/2.
+    a, b : Semi-axes along the circumference and along z [m], > 0.
+    bending : +1: the groove steepens, 1 or -1. -1: the groove flattens. The FMU's `ellipse_curvature`.
 
     Raises
     ------
-    DesignError
-        A value outside its range.
-
-    Notes
-    -----
-    Source: docs/mechanism.md, section 2.
+    DesignError : A value outside its range.
 
     Examples
     --------
@@ -249,10 +191,12 @@ class Ellipse:
         return min(ends), max(ends)
 
     def at(self, psi: ArrayLike) -> Point:
+        """The law at `psi` [rad], as `Groove.at`."""
         angle = np.clip(real_array(psi, "psi", DesignError), *self.range)
         return ellipse_law(angle, self.radius, self._start, self.a, self.b, self.bending)
 
     def parameters(self) -> dict[str, float | int]:
+        """The FMU\'s parameters, as `Groove.parameters`."""
         return {
             "profile": 2,
             "radius": self.radius,
@@ -265,8 +209,8 @@ class Ellipse:
 
 @dataclass(frozen=True, eq=False)
 class Table:
-    """Samples (psi [rad], z [m]), shape (n,), n >= 4: psi increases and includes 0, z does not decrease.
-    `notes` say how a file was understood."""
+    """Samples `psi` [rad] and `z` [m] on a cam of a `radius` [m], shape (n,), n >= 4. psi increases and
+    includes 0, z does not decrease. `notes` say how a file was understood."""
 
     radius: float
     psi: Array
@@ -306,32 +250,25 @@ class Table:
 
         Parameters
         ----------
-        path : str or Path
-            File with columns of the angle psi of the pin along the groove, and the height z of the pin.
-        radius : float
-            Radius of the cam [m].
-        units : (str, str), optional
+        path : File with columns of the angle psi of the pin along the groove, and the height z of the pin.
+        radius : Radius of the cam [m].
+        units
             Units of angle and height: "rad", "deg", "mrad" or "turn", and "m", "mm", "cm", "um" or "in".
             Without them the header must name the units, such as psi_rad,z_m or "psi [deg];z [mm]".
-        delimiter : str, optional
-            Between the columns: ",", ";", " " or a tab; guessed from the lines if not given.
-        decimal : str, optional
-            Decimal sign, "." or ","; guessed from the lines if not given.
+        delimiter : Between the columns: ",", ";", " " or a tab; guessed from the lines if not given.
+        decimal : Decimal sign, "." or ","; guessed from the lines if not given.
 
         Returns
         -------
-        Table
-            Its `notes` say what was guessed.
+        The table. Its `notes` say what was guessed.
 
         Raises
         ------
-        DesignError
-            With file, line, column and value, for a file that cannot be understood.
+        DesignError : With file, line, column and value, for a file that cannot be understood.
 
         Warns
         -----
-        UnitWarning
-            Numbers that look as if they were in another unit.
+        UnitWarning : Numbers that look as if they were in another unit.
 
         Examples
         --------
@@ -357,7 +294,7 @@ class Table:
         return table
 
     def write(self, path: str | Path) -> None:
-        """To a CSV file for the FMU's `cam1.table` or `cam2.table`, with all digits."""
+        """To a CSV file at `path` for the FMU's `cam1.table` or `cam2.table`, with all digits."""
         write_text(Path(path), fmu_text(GROOVE_HEADER, self.psi, self.z))
 
     @property
@@ -406,10 +343,12 @@ class Table:
         return Point(self.z[j] + width * rise, np.asarray(slope), np.asarray(second))
 
     def at(self, psi: ArrayLike) -> Point:
+        """The law at `psi` [rad], as `Groove.at`."""
         point = self._curve(np.clip(real_array(psi, "psi", DesignError), *self.range))
         return point._replace(z=point.z - self._origin)
 
     def parameters(self) -> dict[str, float | int]:
+        """The FMU\'s parameters, as `Groove.parameters`."""
         return {"profile": 3, "radius": self.radius}
 
 

@@ -1,20 +1,10 @@
 """A helical compression spring of round wire: rate, stress, lengths, buckling, fatigue.
 
-With wire diameter d, mean coil diameter D, n active coils, w = D/d and the shear modulus G (EN 13906-1):
-
-    R = G d^4/(8 D^3 n)     tau = 8 D F/(pi d^3)     tau_k = k tau,  k = (w + 0.5)/(w - 0.75)
-
-The factor k is for the curvature of the wire. Static stress is compared without k, fatigue with k. The wire
-endures the amplitude tau_Z up to the mean stress tau_mZ, for any tensile strength. From there the Goodman
-line falls to amplitude 0 at the shear strength 0.67 R_m; tau_W is its extension to mean stress 0. With
-amplitude and mean stress between preload and full stroke the safety S is the lesser one of
+Equations and sources (EN 13906-1:2013, Zimmerli): docs/design-quantities.md. Static stress is compared
+without the factor k for the curvature of the wire, fatigue with k. With Zimmerli's amplitude tau_Z up to the
+mean stress tau_mZ and the Goodman line from there, the safety is the lesser one of
 
     tau_Z/tau_a     1/(tau_a/tau_W + tau_m/(0.67 R_m)),  tau_W = tau_Z/(1 - tau_mZ/(0.67 R_m))
-
-Without the first one a weaker wire would have more safety: tau_W grows as R_m falls.
-
-Source: EN 13906-1:2013 (rate, stress, k, gaps between the coils, buckling, allowed static stress); the
-strength against fatigue is that of spring_steel.py.
 """
 
 from __future__ import annotations
@@ -55,17 +45,12 @@ class Fatigue:
 
     Attributes
     ----------
-    lower, upper : float
-        Corrected shear stress at the least and at the largest force [Pa].
-    amplitude, mean : float
-        Half the difference and the mean of both [Pa].
-    strength : float
-        Largest amplitude that the wire endures, at a mean stress up to `knee` [Pa].
-    knee : float
-        Mean stress from which the Goodman line falls [Pa]: Zimmerli's point, or 0 with a given strength.
-    shear_strength : float
-        Shear strength of the wire: the end of the Goodman line [Pa].
-    safety : float
+    lower, upper : Corrected shear stress at the least and at the largest force [Pa].
+    amplitude, mean : Half the difference and the mean of both [Pa].
+    strength : Largest amplitude that the wire endures, at a mean stress up to `knee` [Pa].
+    knee : Mean stress from which the Goodman line falls [Pa]: Zimmerli's point, or 0 with a given strength.
+    shear_strength : Shear strength of the wire: the end of the Goodman line [Pa].
+    safety
         Factor by which amplitude and mean stress may grow together up to that line [1]; infinite without
         force.
     """
@@ -86,32 +71,22 @@ class HelicalSpring:
 
     Parameters
     ----------
-    wire_diameter : float
-        Diameter d of the wire [m].
-    coil_diameter : float
-        Mean diameter D of the coil [m], more than d.
-    active_coils : float
-        Number n of active coils, >= 2.
-    total_coils : float, optional
-        Number of all coils; n + 2 if not given.
-    grade : str, optional
-        Grade of EN 10270-1: "SL", "SM", "DM", "SH" or "DH".
-    tensile_strength : float, optional
-        Tensile strength R_m of the wire [Pa]; that of the grade if not given.
-    shear_modulus : float
-        Shear modulus G of the wire [Pa].
-    shot_peened : bool
-        Whether the spring is shot-peened.
-    fatigue_strength : float, optional
+    wire_diameter : Diameter d of the wire [m].
+    coil_diameter : Mean diameter D of the coil [m], more than d.
+    active_coils : Number n of active coils, >= 2.
+    total_coils : Number of all coils; n + 2 if not given.
+    grade : Grade of EN 10270-1: "SL", "SM", "DM", "SH" or "DH".
+    tensile_strength : Tensile strength R_m of the wire [Pa]; that of the grade if not given.
+    shear_modulus : Shear modulus G of the wire [Pa].
+    shot_peened : Whether the spring is shot-peened.
+    fatigue_strength
         Shear stress amplitude that the wire endures at mean stress 0 [Pa], for example from the Goodman
         diagram of EN 13906-1 for the wire; from Zimmerli's measurements if not given.
-    guided : bool
-        Whether a rod or a sleeve guides the spring, so that the spring cannot buckle.
+    guided : Whether a rod or a sleeve guides the spring, so that the spring cannot buckle.
 
     Raises
     ------
-    DesignError
-        A value outside its range, or neither grade nor tensile strength.
+    DesignError : A value outside its range, or neither grade nor tensile strength.
 
     Examples
     --------
@@ -232,70 +207,22 @@ class HelicalSpring:
         return STATIC_STRESS * self.strength
 
     def stress(self, force: float) -> float:
-        """Shear stress without correction.
-
-        Parameters
-        ----------
-        force : float
-            Force of the spring [N].
-
-        Returns
-        -------
-        float
-            tau [Pa].
-        """
+        """Shear stress without correction [Pa] under a `force` [N]."""
         return 8.0 * self.coil_diameter * force / (math.pi * self.wire_diameter**3)
 
     def corrected_stress(self, force: float) -> float:
-        """Shear stress on the inside of the coil, with the factor k.
-
-        Parameters
-        ----------
-        force : float
-            Force of the spring [N].
-
-        Returns
-        -------
-        float
-            tau_k [Pa].
-        """
+        """Shear stress on the inside of the coil [Pa], with the factor k, under a `force` [N]."""
         return self.correction * self.stress(force)
 
     def static_safety(self, force: float) -> float:
-        """Allowed over uncorrected shear stress.
-
-        Parameters
-        ----------
-        force : float
-            Largest force of the spring [N], >= 0.
-
-        Returns
-        -------
-        float
-            Safety against setting [1]; infinite without force.
-        """
+        """Safety against setting [1]: allowed over uncorrected shear stress under the largest `force` [N]."""
         return self.allowed_stress / self.stress(force) if force > 0.0 else math.inf
 
     def fatigue(self, least: float, largest: float) -> Fatigue:
         """Stresses of a cycle between two forces, and the safety against fatigue.
 
-        Parameters
-        ----------
-        least, largest : float
-            Forces at preload and at full stroke [N], 0 <= least <= largest.
-
-        Returns
-        -------
-        Fatigue
-
-        Raises
-        ------
-        DesignError
-            Forces that are negative, not finite or exchanged.
-
-        Notes
-        -----
-        Source: the formulas at the head of this file.
+        `least`, `largest`: forces at preload and at full stroke [N], 0 <= least <= largest. DesignError:
+        forces that are negative, not finite or exchanged. Source: the formulas at the head of this file.
 
         Examples
         --------
@@ -332,26 +259,10 @@ class HelicalSpring:
         return ZIMMERLI[self.shot_peened]
 
     def buckling_deflection(self, free_length: float) -> float:
-        """Deflection at which the spring buckles between two parallel plates.
+        """Deflection [m] at which the spring buckles between parallel plates; infinite if it never does.
 
-        Parameters
-        ----------
-        free_length : float
-            Length of the unloaded spring [m], > 0.
-
-        Returns
-        -------
-        float
-            Deflection [m]; infinite for a spring that is guided or never buckles.
-
-        Raises
-        ------
-        DesignError
-            A length that is not above 0.
-
-        Notes
-        -----
-        Source: EN 13906-1, buckling, with the seating coefficient 0.5 and steel.
+        `free_length`: length of the unloaded spring [m]. DesignError: a length that is not above 0. Source:
+        EN 13906-1, buckling, with the seating coefficient 0.5 and steel.
 
         Examples
         --------

@@ -2,16 +2,10 @@
 
 With the load N of one contact, the width L of the flank and the relative radius R (`relative_radius`):
 
-    1/E* = (1 - nu_pin^2)/E_pin + (1 - nu_cam^2)/E_cam
-    a = sqrt(4 N R/(pi L E*))     p_max = 2 N/(pi a L) = sqrt((N/L) E*/(pi R))
+    a = sqrt(4 N R/(pi L E*))     p_max = 2 N/(pi a L)     tau(z) = p_max u (1 - u/sqrt(1 + u^2)),  u = z/a
 
-Below the middle of the contact, at depth z, the largest shear stress is (McEwen)
-
-    tau(z) = p_max u (1 - u/sqrt(1 + u^2))     u = z/a
-
-The largest one is at u^2 = (sqrt(5) - 1)/2, where tau = p_max u (1 - u^2): 0.3003 p_max at 0.7862 a.
-
-Source: K. L. Johnson, Contact Mechanics (1985), section 4.2(c).
+tau is largest at u^2 = (sqrt(5) - 1)/2. Source: K. L. Johnson, Contact Mechanics (1985), section 4.2(c);
+docs/design-quantities.md.
 """
 
 from __future__ import annotations
@@ -36,21 +30,15 @@ class Pin:
 
     Parameters
     ----------
-    radius : float
-        Radius of the pin [m], > 0.
-    width : float
-        Width of the flank along the pin [m], > 0.
-    modulus, cam_modulus : float
-        Young's moduli of pin and cam [Pa], > 0.
-    poisson, cam_poisson : float
-        Poisson's ratios of pin and cam [1], 0 to 0.5.
-    wear : float
-        Specific wear rate of the pin [m3/(N.m)], 0 to 1; 0: the pin does not wear.
+    radius : Radius of the pin [m], > 0.
+    width : Width of the flank along the pin [m], > 0.
+    modulus, cam_modulus : Young's moduli of pin and cam [Pa], > 0.
+    poisson, cam_poisson : Poisson's ratios of pin and cam [1], 0 to 0.5.
+    wear : Specific wear rate of the pin [m3/(N.m)], 0 to 1; 0: the pin does not wear.
 
     Raises
     ------
-    DesignError
-        A value outside its range.
+    DesignError : A value outside its range.
 
     Examples
     --------
@@ -88,25 +76,11 @@ class Pin:
 
 
 def hertz_pressure(load: ArrayLike, pin: Pin, curvature: ArrayLike = 0.0) -> Array:
-    """Largest pressure of the line contact between pin and flank, by Hertz.
+    """Largest pressure [Pa] between pin and flank, by Hertz; infinite where the flank is undercut.
 
-    Parameters
-    ----------
-    load : array_like
-        Normal force of one contact [N].
-    pin : Pin
-    curvature : array_like
-        Signed curvature of the path of the pin's centre [1/m], for the flank below the path. For the flank
-        above change the sign.
-
-    Returns
-    -------
-    ndarray
-        Pressure [Pa]; infinite where the flank is undercut.
-
-    Notes
-    -----
-    Source: the formulas at the head of this file; K. L. Johnson, Contact Mechanics (1985), section 4.2(c).
+    `load`: normal force of one contact [N]. `pin`. `curvature`: signed curvature of the path of the pin's
+    centre [1/m], for the flank below the path. For the flank above change the sign. Source: the formulas at
+    the head of this file; K. L. Johnson, Contact Mechanics (1985), section 4.2(c).
 
     Examples
     --------
@@ -126,14 +100,10 @@ class LineContact:
 
     Attributes
     ----------
-    half_width : ndarray
-        Half the width a of the contact along the groove [m].
-    pressure : ndarray
-        Largest pressure p_max [Pa].
-    shear : ndarray
-        Largest shear stress below the surface [Pa].
-    depth : ndarray
-        Depth of that shear stress below the surface [m].
+    half_width : Half the width a of the contact along the groove [m].
+    pressure : Largest pressure p_max [Pa].
+    shear : Largest shear stress below the surface [Pa].
+    depth : Depth of that shear stress below the surface [m].
     """
 
     half_width: Array
@@ -143,24 +113,11 @@ class LineContact:
 
 
 def relative_radius(pin: Pin, curvature: ArrayLike = 0.0) -> Array:
-    """Relative radius of pin and flank, 1/(1/r_pin + curvature of the flank).
+    """Relative radius of pin and flank [m]: 1/(1/r_pin + curvature of the flank).
 
-    Parameters
-    ----------
-    pin : Pin
-    curvature : array_like
-        Signed curvature k of the path of the pin's centre [1/m], + where the groove steepens, for the flank
-        below the path. For the flank above change the sign.
-
-    Returns
-    -------
-    ndarray
-        Relative radius [m]: r_pin for a straight flank, more on a hollow flank, less on a bulging one; 0 or
-        less where the flank is undercut.
-
-    Notes
-    -----
-    The flank is parallel to the path at distance r_pin, so its curvature is k/(1 + k r_pin).
+    It is r_pin for a straight flank, more on a hollow flank, less on a bulging one; 0 or less where the flank
+    is undercut. `pin`. `curvature`: as in `hertz_pressure`, + where the groove steepens. The flank is
+    parallel to the path at distance r_pin, so its curvature is k/(1 + k r_pin).
 
     Examples
     --------
@@ -175,27 +132,10 @@ def relative_radius(pin: Pin, curvature: ArrayLike = 0.0) -> Array:
 def line_contact(load: ArrayLike, pin: Pin, curvature: ArrayLike = 0.0) -> LineContact:
     """Half width, pressure and shear stress of the line contact between pin and flank.
 
-    Parameters
-    ----------
-    load : array_like
-        Normal force of one contact [N], >= 0.
-    pin : Pin
-    curvature : array_like
-        Signed curvature of the path of the pin's centre [1/m], as in `relative_radius`.
-
-    Returns
-    -------
-    LineContact
-        Arrays of the shape of `load` and `curvature`. On an undercut flank the pressure is infinite.
-
-    Raises
-    ------
-    DesignError
-        A load that is negative or not finite.
-
-    Notes
-    -----
-    Source: the formulas at the head of this file; K. L. Johnson, Contact Mechanics (1985), section 4.2(c).
+    `load`: normal force of one contact [N], >= 0. `pin`. `curvature`: signed curvature of the path of the
+    pin's centre [1/m], as in `hertz_pressure`. On an undercut flank the pressure is infinite. DesignError: a
+    load that is negative or not finite. Source: the formulas at the head of this file; K. L. Johnson, Contact
+    Mechanics (1985), section 4.2(c).
 
     Examples
     --------
@@ -219,25 +159,10 @@ def line_contact(load: ArrayLike, pin: Pin, curvature: ArrayLike = 0.0) -> LineC
 
 
 def shear_below(depth: ArrayLike, half_width: float, pressure: float) -> Array:
-    """Largest shear stress below the middle of a line contact, by McEwen.
+    """Largest shear stress below the middle of a line contact, by McEwen [Pa], of the shape of `depth`.
 
-    Parameters
-    ----------
-    depth : array_like
-        Depth below the surface [m], >= 0.
-    half_width : float
-        Half the width a of the contact [m], > 0.
-    pressure : float
-        Largest pressure of the contact [Pa].
-
-    Returns
-    -------
-    ndarray
-        Shear stress [Pa], of the shape of `depth`.
-
-    Notes
-    -----
-    Source: K. L. Johnson, Contact Mechanics (1985), section 4.2(c).
+    `depth` below the surface [m], >= 0. `half_width`: half the width a of the contact [m], > 0. `pressure`:
+    largest pressure of the contact [Pa]. Source: K. L. Johnson, Contact Mechanics (1985), section 4.2(c).
 
     Examples
     --------

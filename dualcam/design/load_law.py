@@ -31,25 +31,10 @@ class LoadLaw(Protocol):
 
 @dataclass(frozen=True)
 class LoadPower:
-    """((N^2 + (0.1 N_ref)^2)/N_ref^2)^(nu/2): `cam1.friction_load_exponent` and `cam1.friction_load`.
+    """((N^2 + (0.1 N_ref)^2)/N_ref^2)^(nu/2): `cam1.friction_load_exponent` and `cam1.friction_load`."""
 
-    Parameters
-    ----------
-    exponent : float or array of the shape of the loads
-        nu [1].
-    reference : float
-        N_ref [N].
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from dualcam.design.load_law import LoadPower
-    >>> LoadPower(0.5, 100.0).factor(np.array([0.0, 400.0])).round(4)
-    array([0.3162, 2.0003])
-    """
-
-    exponent: float | Values
-    reference: float
+    exponent: float | Values  # nu [1], float or of the shape of the loads
+    reference: float  # N_ref [N]
 
     def factor(self, load: Values) -> Values:
         """Factor [1] at nominal loads of one contact [N], of the shape of `load`."""
@@ -58,15 +43,7 @@ class LoadPower:
 
 
 class LoadSamples:
-    """The first row of speeds of a friction table over loads, over the coefficient at the middle load.
-
-    Parameters
-    ----------
-    loads : sequence of float, shape (n,)
-        Growing, > 0 [N].
-    coefficients : sequence of float, shape (n,)
-        mu at rest under these loads [1].
-    """
+    """The first row of speeds of a friction table over loads [N], growing, over that at the middle load."""
 
     def __init__(self, loads: Sequence[float], coefficients: Sequence[float]) -> None:
         from scipy.interpolate import CubicSpline
@@ -75,8 +52,7 @@ class LoadSamples:
         self._spline = CubicSpline(np.log(loads), logs - logs[len(logs) // 2], bc_type="clamped")
 
     def factor(self, load: Values) -> Values:
-        """Factor [1] at nominal loads of one contact [N], of the shape of `load`; beyond the loads of the
-        table the last one."""
+        """Factor [1] at nominal loads of one contact [N], of their shape; beyond the table the last one."""
         first, last = self._spline.x[[0, -1]]
         with np.errstate(divide="ignore"):
             place = np.log(np.abs(load.real))
@@ -91,26 +67,7 @@ class LoadSamples:
 def friction_under(
     friction: Pair, laws: Sequence[LoadLaw | None], slope: Pair, radius: Pair, force_per_contact: Values
 ) -> Pair:
-    """Coefficients of friction at rest under an axial force.
-
-    Parameters
-    ----------
-    friction : pair of array_like
-        Coefficients without the factor of the load [1].
-    laws : sequence of LoadLaw or None, shape (2,)
-        Of both contacts; None: the coefficient does not depend on the load.
-    slope : pair of array_like
-        Slopes a_i = dz/dpsi [m/rad].
-    radius : pair of array_like
-        Radii r_i [m].
-    force_per_contact : ndarray
-        Axial force over the number of contacts [N].
-
-    Returns
-    -------
-    pair of array_like
-        Coefficients [1].
-    """
+    """Coefficients of friction at rest [1] under an axial force, by the load `laws` of both contacts."""
     if not any(laws):
         return friction
     loads = transfer(slope, (0.0, 0.0), radius, 0).reaction * force_per_contact

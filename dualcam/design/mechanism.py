@@ -25,12 +25,7 @@ END_SLACK = 1e-12  # of an angle: a groove may end that much before a stop, as i
 class Spring:
     """The spring: F_s(z) = preload + stiffness z + stiffness2 z^2 + stiffness3 z^3.
 
-    Parameters
-    ----------
-    preload : float
-        Force at z = 0 [N].
-    stiffness, stiffness2, stiffness3 : float
-        Coefficients [N/m, N/m2, N/m3].
+    `preload`: force at z = 0 [N]. `stiffness`, `stiffness2`, `stiffness3`: coefficients [N/m, N/m2, N/m3].
 
     Examples
     --------
@@ -52,94 +47,49 @@ class Spring:
         warn_units({"stiffness": ("spring.stiffness", self.stiffness)})
 
     def force(self, z: ArrayLike) -> Array:
-        """The force.
-
-        Parameters
-        ----------
-        z : array_like
-            Compression [m].
-
-        Returns
-        -------
-        ndarray
-            Force [N], of the shape of `z`.
-        """
+        """The force [N] at a compression `z` [m]."""
         z = real_array(z, "z", DesignError)
         return self.preload + z * (self.stiffness + z * (self.stiffness2 + z * self.stiffness3))
 
     def energy(self, z: ArrayLike) -> Array:
-        """The energy stored from z = 0 on.
-
-        Parameters
-        ----------
-        z : array_like
-            Compression [m].
-
-        Returns
-        -------
-        ndarray
-            Energy [J], of the shape of `z`.
-        """
+        """The energy stored from z = 0 to a compression `z` [m], in J."""
         z = real_array(z, "z", DesignError)
         thirds = self.stiffness2 / 3.0 + z * self.stiffness3 / 4.0
         return z * (self.preload + z * (0.5 * self.stiffness + z * thirds))
 
     def parameters(self) -> dict[str, float]:
-        """The FMU's parameters: a dict of start values."""
-        names = ("preload", "stiffness", "stiffness2", "stiffness3")
-        return {f"spring.{name}": getattr(self, name) for name in names}
+        """The FMU's parameters: start values by name."""
+        return {f"spring.{name}": value for name, value in vars(self).items()}
 
 
 class Configuration(NamedTuple):
-    """Position of the pin at given theta.
+    """Position of the pin at given theta."""
 
-    Attributes
-    ----------
-    psi : ndarray, shape (2, ...)
-        Angles gamma and phi = theta - gamma along the grooves [rad].
-    z : ndarray
-        Lift [m].
-    slope : ndarray, shape (2, ...)
-        a_i = dz/dpsi at psi_i [m/rad].
-    d2z_dpsi2 : ndarray, shape (2, ...)
-        g_i'' at psi_i [m/rad2].
-    """
-
-    psi: Array
-    z: Array
-    slope: Array
-    d2z_dpsi2: Array
+    psi: Array  # angles gamma and phi = theta - gamma along the grooves [rad], shape (2, ...)
+    z: Array  # lift [m]
+    slope: Array  # a_i = dz/dpsi at psi_i [m/rad], shape (2, ...)
+    d2z_dpsi2: Array  # g_i'' at psi_i [m/rad2], shape (2, ...)
 
 
 @dataclass(frozen=True)
 class Mechanism:
     """A pair of grooves with friction and a spring: geometry and torque of slow motion.
 
+    Source: docs/mechanism.md, sections 2 and 3.
+
     Parameters
     ----------
-    grooves : tuple of Groove
-        Groove laws of cam 1 and cam 2.
-    friction : tuple of float
-        Coefficients of friction mu_1, mu_2 [1].
-    spring : Spring
-        The spring on the follower.
-    upper : float
-        Upper end of cam 2's angle theta [rad].
-    contacts : {1, 2}
-        Follower ends that share each load.
-    lower : float
-        Lower end of the angle [rad], 0 or less.
-    load_laws : tuple of LoadLaw or None
-        How the coefficient of each contact depends on its nominal load; None: it does not.
+    grooves : Groove laws of cam 1 and cam 2.
+    friction : Coefficients of friction mu_1, mu_2 [1].
+    spring : The spring on the follower.
+    upper : Upper end of cam 2's angle theta [rad].
+    contacts : Follower ends that share each load, 1 or 2.
+    lower : Lower end of the angle [rad], 0 or less.
+    load_laws : How the coefficient of each contact depends on its nominal load; None: it does not.
 
     Raises
     ------
-    DesignError
-        A value that no mechanism has, such as another number of contacts.
-
-    Notes
-    -----
-    Source: docs/mechanism.md, sections 2 and 3.
+    DesignError : A value that no mechanism has, such as another number of contacts.
 
     Examples
     --------
@@ -180,18 +130,7 @@ class Mechanism:
         return self.grooves[0].radius, self.grooves[1].radius
 
     def angles(self, points: int = POINTS) -> Array:
-        """Angles evenly over the range.
-
-        Parameters
-        ----------
-        points : int
-            How many.
-
-        Returns
-        -------
-        ndarray, shape (points,)
-            theta [rad].
-        """
+        """As many angles as `points` evenly over the range [rad]."""
         return np.linspace(self.lower, self.upper, points)
 
     def reach(self) -> tuple[float, float]:
@@ -223,17 +162,7 @@ class Mechanism:
         return below <= 0.0 <= above
 
     def configuration(self, theta: ArrayLike) -> Configuration:
-        """Geometry: the root gamma of g_1(gamma) = g_2(theta - gamma).
-
-        Parameters
-        ----------
-        theta : array_like
-            Angle of cam 2 [rad].
-
-        Returns
-        -------
-        Configuration
-        """
+        """Geometry at an angle `theta` of cam 2 [rad]: the root gamma of g_1(gamma) = g_2(theta - gamma)."""
         theta = real_array(theta, "theta", DesignError)
         first, second = self.grooves
         gamma = 0.5 * theta if first is second else meeting(first, second, theta)
@@ -245,23 +174,10 @@ class Mechanism:
         )
 
     def torque(self, theta: ArrayLike, direction: str) -> Array:
-        """The torque of slow motion: rho_sigma F_s, both contacts on the flanks that support the spring.
+        """The torque of slow motion rho_sigma F_s [N.m] at `theta` [rad], on the flanks that support the
+        spring.
 
-        Parameters
-        ----------
-        theta : array_like
-            Angle of cam 2 [rad].
-        direction : {"loading", "releasing", "frictionless"}
-
-        Returns
-        -------
-        ndarray
-            Torque [N.m], of the shape of `theta`.
-
-        Raises
-        ------
-        DesignError
-            Another direction.
+        `direction`: "loading", "releasing" or "frictionless". DesignError: another direction.
         """
         configuration = self.configuration(theta)
         force = self.spring.force(configuration.z)
@@ -270,70 +186,26 @@ class Mechanism:
         return np.asarray(rho * force)
 
     def band(self, theta: ArrayLike) -> tuple[Array, Array]:
-        """The edges of the stick band, the FMU's `torque_release` and `torque_load`. F_s must be > 0.
-
-        Parameters
-        ----------
-        theta : array_like
-            Angle of cam 2 [rad].
-
-        Returns
-        -------
-        tuple of ndarray
-            T_release and T_load [N.m], of the shape of `theta`.
-        """
+        """The FMU's `torque_release` and `torque_load` [N.m] at `theta` [rad]; F_s must be > 0."""
         configuration = self.configuration(theta)
         force = self.spring.force(configuration.z)
         (release, load), _ = self.edges(configuration.slope, force)
         return release * force, load * force
 
     def friction_under(self, slope: Pair, force: Array) -> Pair:
-        """Coefficients of friction at rest.
-
-        Parameters
-        ----------
-        slope : pair of array_like
-            Slopes a_i of both grooves [m/rad].
-        force : ndarray
-            Axial force [N].
-
-        Returns
-        -------
-        pair of array_like
-            mu_1 and mu_2 [1].
-        """
+        """Coefficients of friction at rest [1] on grooves of `slope` [m/rad] under an axial `force` [N]."""
         return friction_under(self.friction, self.load_laws, slope, self.radius, force / self.contacts)
 
     def edges(self, slope: Pair, force: Array) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
-        """The edges of the stick band over the axial force, and the reactions there, as in `statics.band`.
+        """The edges of the stick band over the axial `force` [m], and the reactions there over it [1].
 
-        Parameters
-        ----------
-        slope : pair of array_like
-            Slopes a_i of both grooves [m/rad].
-        force : ndarray
-            Axial force [N]: on it depend coefficients that have a load law.
-
-        Returns
-        -------
-        tuple of tuple of ndarray
-            (T_release/F, T_load/F) [m], and the normal forces over F that belong to them [1].
+        They are (T_release/F, T_load/F) and the normal forces over F. `slope`: dz/dpsi of both grooves
+        [m/rad]. `force` [N]: on it depend coefficients that have a load law.
         """
         return band(slope, self.friction_under(slope, force), self.radius)
 
     def curvature(self, theta: ArrayLike) -> Array:
-        """Curvature of both unwrapped grooves where the pin is.
-
-        Parameters
-        ----------
-        theta : array_like
-            Angle of cam 2 [rad].
-
-        Returns
-        -------
-        ndarray, shape (2, ...)
-            Curvature [1/m].
-        """
+        """Curvature of both unwrapped grooves at the pin [1/m], shape (2, ...), at `theta` [rad]."""
         psi = self.configuration(theta).psi
         return np.stack([curvature(groove, psi[i]) for i, groove in enumerate(self.grooves)])
 
@@ -344,18 +216,7 @@ class Mechanism:
         return found | {f"cam{i}.friction": mu for i, mu in enumerate(self.friction, 1)}
 
     def parameters(self, directory: str | Path) -> dict[str, float | int | str]:
-        """The FMU's parameters.
-
-        Parameters
-        ----------
-        directory : str or Path
-            Where tables are written, as `groove1.csv` and `groove2.csv`.
-
-        Returns
-        -------
-        dict of str to float, int or str
-            Start values for `Fmu.start`.
-        """
+        """Start values for `Fmu.start`. `directory`: for tables, `groove1.csv` and `groove2.csv`."""
         found: dict[str, float | int | str] = {**self.parameters_without_tables()}
         for i, groove in enumerate(self.grooves, 1):
             if isinstance(groove, Table):
@@ -366,25 +227,7 @@ class Mechanism:
 
 
 def meeting(first: Groove, second: Groove, theta: Array) -> Array:
-    """The angle gamma at which both grooves have the same height.
-
-    Parameters
-    ----------
-    first, second : Groove
-        Groove laws of cam 1 and cam 2.
-    theta : ndarray
-        Angle of cam 2 [rad].
-
-    Returns
-    -------
-    ndarray
-        gamma [rad], of the shape of `theta`; at an end of the grooves where these do not meet.
-
-    Notes
-    -----
-    Newton's method, held in a bracket that is halved where steps do not shrink (Newton's method can go to and
-    fro between two slopes for ever). The difference of heights increases with gamma.
-    """
+    """The angle gamma [rad] at which both grooves are equally high; an end where they do not meet."""
     low = np.maximum(first.range[0], theta - second.range[1])
     high = np.minimum(first.range[1], theta - second.range[0])
     # both grooves rise, so gamma is not outside [0, theta], but for rounding
@@ -410,26 +253,7 @@ def meeting(first: Groove, second: Groove, theta: Array) -> Array:
 
 
 def check_pair(name: str, values: Sequence[float], low: float) -> tuple[float, float]:
-    """Two finite numbers from `low` on.
-
-    Parameters
-    ----------
-    name : str
-        What the numbers are, for the message.
-    values : sequence of float, shape (2,)
-        The numbers.
-    low : float
-        The least allowed value.
-
-    Returns
-    -------
-    tuple of float
-
-    Raises
-    ------
-    DesignError
-        Not two finite numbers from `low` on.
-    """
+    """Two finite numbers from `low` on, else a DesignError that calls them `name`."""
     try:
         pair = tuple(float(value) for value in values)
     except (TypeError, ValueError):

@@ -32,14 +32,8 @@ DIGITS = 3  # of a proposed value
 class SpringProposal:
     """A spring with which `synthesize` gives the wanted torque.
 
-    Attributes
-    ----------
-    spring : Spring
-        The proposed spring, with which `design` was made.
-    vary : str
-        What differs from the given spring: "preload", "stiffness", or "both".
-    design : Design
-        The groove for that spring.
+    `spring`: the proposed spring, with which `design` was made. `vary`: what differs from the given spring:
+    "preload", "stiffness", or "both". `design`: the groove for that spring.
     """
 
     spring: Spring

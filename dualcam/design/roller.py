@@ -1,16 +1,7 @@
-"""A roller on the pin: does the roller roll in the groove, and with which coefficient of friction?
+"""A roller on the pin: does it roll in the groove, and with which coefficient of friction?
 
-The normal force N presses the roller of radius r on the flank and on its bearing of radius r_b. The bearing
-brakes the roller by mu_b N r_b. The flank brakes rolling by N f, where f is the lever arm of rolling
-resistance. The tangential force at the flank turns the roller against both:
-
-    T r = mu_b N r_b + N f        mu_eff = T/N = (mu_b r_b + f)/r
-
-The roller rolls while mu_eff is at most the coefficient of friction mu of sliding on the flank. Else the
-roller slides, and mu acts. The inertia of the roller about its axis is left out.
-
-Source: F. P. Beer, E. R. Johnston, Vector Mechanics for Engineers: Statics, sections on journal bearings and
-on wheel friction (rolling resistance).
+Bearing and rolling resistance brake the roller: mu_eff = (mu_b r_b + f)/r. It rolls while mu_eff is at most
+the coefficient mu of sliding on the flank; else mu acts. Source: docs/design-quantities.md.
 """
 
 from __future__ import annotations
@@ -28,21 +19,15 @@ class Roller:
 
     Parameters
     ----------
-    radius : float
-        Outer radius of the roller [m], > 0.
-    bearing_friction : float
-        Coefficient of friction in the bearing of the roller [1], >= 0.
-    bearing_radius : float
-        Radius at which the bearing rubs [m], > 0 and less than `radius`.
-    lever_arm : float
-        Lever arm of rolling resistance between roller and flank [m], >= 0 and less than `radius`.
-    sliding_friction : float
-        Coefficient of friction of a roller that slides on the flank [1], >= 0.
+    radius : Outer radius of the roller [m], > 0.
+    bearing_friction : Coefficient of friction in the bearing of the roller [1], >= 0.
+    bearing_radius : Radius at which the bearing rubs [m], > 0 and less than `radius`.
+    lever_arm : Lever arm of rolling resistance between roller and flank [m], >= 0 and less than `radius`.
+    sliding_friction : Coefficient of friction of a roller that slides on the flank [1], >= 0.
 
     Raises
     ------
-    DesignError
-        A value outside its range.
+    DesignError : A value outside its range.
 
     Examples
     --------
@@ -77,10 +62,8 @@ class Roller:
                 f"lever_arm = {self.lever_arm:g} m: allowed is 0 to less than the radius of the roller,"
                 f" {self.radius:g} m; hardened steel on hardened steel has about 1e-5 m"
             )
-
-        warn_units(
-            {name: (f"roller.{name}", getattr(self, name)) for name in ("bearing_radius", "lever_arm")}
-        )
+        lengths = ("bearing_radius", "lever_arm")
+        warn_units({name: (f"roller.{name}", getattr(self, name)) for name in lengths})
 
     @property
     def rolling_friction(self) -> float:

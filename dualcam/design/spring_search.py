@@ -33,26 +33,16 @@ def find_springs(
 
     Parameters
     ----------
-    preload : float
-        Force at the start of the stroke [N], >= 0.
-    stiffness : float
-        Spring rate [N/m], > 0.
-    stroke : float
-        Deflection from the preload to the largest force [m], > 0.
-    grade : {"DH", "SH", "DM", "SM", "SL"}
-        Grade of the wire (EN 10270-1).
-    shot_peened : bool
-        Whether the springs are shot-peened.
-    safety : float
-        Least Goodman safety, and least allowed over largest static stress [1], > 0.
-    outer_diameter, inner_diameter : float
-        Largest outer and least inner diameter of the coil [m].
-    free_length : float
-        Largest length of the unloaded spring [m].
-    guided : bool
-        Whether a rod or a sleeve guides the spring, so that the spring cannot buckle.
-    count : int
-        Largest number of springs, one for each wire diameter.
+    preload : Force at the start of the stroke [N], >= 0.
+    stiffness : Spring rate [N/m], > 0.
+    stroke : Deflection from the preload to the largest force [m], > 0.
+    grade : Grade of the wire (EN 10270-1), one of "DH", "SH", "DM", "SM", "SL".
+    shot_peened : Whether the springs are shot-peened.
+    safety : Least Goodman safety, and least allowed over largest static stress [1], > 0.
+    outer_diameter, inner_diameter : Largest outer and least inner diameter of the coil [m].
+    free_length : Largest length of the unloaded spring [m].
+    guided : Whether a rod or a sleeve guides the spring, so that the spring cannot buckle.
+    count : Largest number of springs, one for each wire diameter.
 
     Returns
     -------
@@ -62,8 +52,7 @@ def find_springs(
 
     Raises
     ------
-    DesignError
-        A value outside its range, or no spring; the message says what the nearest spring lacks.
+    DesignError : A value outside its range, or no spring; the message says what the nearest spring lacks.
 
     Notes
     -----

@@ -1,18 +1,12 @@
 """Spring steel wire: grades, tensile strength, standard diameters, and strength against fatigue.
 
-Patented cold-drawn wire of EN 10270-1. SL, SM and SH are for static duty, DM and DH for dynamic duty, with
-tighter limits on flaws of the surface. The least tensile strength falls with the diameter d in mm:
+The least tensile strength of EN 10270-1 falls with the diameter d in mm, by the formulas of the classes A, B,
+C and D of DIN 17223-1:1984, which meet the table of EN 10270-1 within 1 %:
 
     R_m = a - b lg(d) MPa     SL: 1720, 660     SM, DM: 1980, 740     SH, DH: 2220, 820
 
-These are the formulas of the classes A, B, C and D of DIN 17223-1:1984, which EN 10270-1 replaced. They meet
-the table of EN 10270-1 within 1 %.
-
-Fatigue: patented and other steel wire up to 10 mm, coiled cold, endures the amplitude 241 MPa at the mean
-stress 379 MPa; shot-peened wire 398 MPa at 534 MPa (shear stress, corrected for the curvature). The amplitude
-depends neither on diameter and tensile strength nor, below that, on the mean stress. Source:
-F. P. Zimmerli, Human failings in spring design, The Mainspring (1957); R. G. Budynas, J. K. Nisbett,
-Shigley's Mechanical Engineering Design, chapter 10, also for the shear strength 0.67 R_m.
+Fatigue by F. P. Zimmerli, Human failings in spring design, The Mainspring (1957); R. G. Budynas, J. K.
+Nisbett, Shigley's Mechanical Engineering Design, chapter 10, also for the shear strength 0.67 R_m.
 """
 
 from __future__ import annotations
@@ -53,24 +47,11 @@ DIAMETERS = tuple(float(f"{number}e-3") for number in _MILLIMETRES.split())  # m
 
 
 def tensile_strength(grade: str, diameter: float) -> float:
-    """Least tensile strength of a wire of EN 10270-1.
+    """Least tensile strength of a wire of EN 10270-1 [Pa].
 
-    Parameters
-    ----------
-    grade : {"SL", "SM", "DM", "SH", "DH"}
-        Grade of the wire: low, medium or high strength, for static (S) or dynamic (D) load.
-    diameter : float
-        Diameter of the wire [m]: 0.3 to 20 mm, for SL 1 to 10 mm.
-
-    Returns
-    -------
-    float
-        R_m [Pa].
-
-    Raises
-    ------
-    DesignError
-        Another grade or diameter.
+    `grade` of the wire: low, medium or high strength, for static (S) or dynamic (D) load, one of "SL", "SM",
+    "DM", "SH", "DH". `diameter` of the wire [m]: 0.3 to 20 mm, for SL 1 to 10 mm. DesignError: another grade
+    or diameter.
 
     Examples
     --------

@@ -18,48 +18,25 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from dualcam.common.arrays import real_array
+from dualcam.common.arrays import Array, real_array
 from dualcam.errors import DesignError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.contour import QuadContourSet
 
-Array = NDArray[np.float64]
 Pair = Sequence[ArrayLike] | Array
 
 DIRECTIONS = {"loading": 1, "releasing": -1, "frictionless": 0}
 
 
 def is_number(value: object) -> bool:
-    """Whether a value is a real number.
-
-    Parameters
-    ----------
-    value : object
-        Anything.
-
-    Returns
-    -------
-    bool
-        False for text, None and a truth value, too.
-    """
+    """Whether a `value` is a real number; text, None and truth values are not."""
     return isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool)
 
 
 def check_numbers(values: Mapping[str, object]) -> None:
-    """Refuse values that are no numbers, such as text with a unit.
-
-    Parameters
-    ----------
-    values : mapping of str to object
-        Values by their names in the message.
-
-    Raises
-    ------
-    DesignError
-        With the first such value.
-    """
+    """Refuse with a DesignError `values`, by name, that are no numbers, such as text with a unit."""
     for name, value in values.items():
         if not is_number(value):
             raise DesignError(
@@ -68,28 +45,7 @@ def check_numbers(values: Mapping[str, object]) -> None:
 
 
 def sign_of(direction: str) -> int:
-    """The sign sigma of a direction.
-
-    Parameters
-    ----------
-    direction : {"loading", "releasing", "frictionless"}
-
-    Returns
-    -------
-    int
-        +1 loading, -1 releasing, 0 without friction.
-
-    Raises
-    ------
-    DesignError
-        Another direction.
-
-    Examples
-    --------
-    >>> from dualcam.design.statics import sign_of
-    >>> sign_of("releasing")
-    -1
-    """
+    """The sign sigma of a direction: +1 loading, -1 releasing, 0 frictionless, else a DesignError."""
     if direction not in DIRECTIONS:
         raise DesignError(f"direction {direction!r}: allowed are {', '.join(DIRECTIONS)}")
     return DIRECTIONS[direction]
@@ -97,57 +53,18 @@ def sign_of(direction: str) -> int:
 
 @dataclass(frozen=True)
 class Transfer:
-    """Torque and reactions per newton of the axial force F, for one choice of flanks.
+    """Torque and reactions per newton of the axial force F, for one choice of flanks."""
 
-    Attributes
-    ----------
-    rho : ndarray
-        Torque over F [m].
-    reaction : ndarray, shape (2, ...)
-        Normal force of all contacts in each groove over F [1].
-    regular : ndarray of bool
-        Whether both reactions have the signs of their flanks, and none is infinite.
-    """
-
-    rho: Array
-    reaction: Array
-    regular: NDArray[np.bool_]
+    rho: Array  # torque over F [m]
+    reaction: Array  # normal force of all contacts in each groove over F [1], shape (2, ...)
+    regular: NDArray[np.bool_]  # whether both reactions have the signs of their flanks, and none is infinite
 
 
 def transfer(
     slope: Pair, friction: Pair, radius: Pair, sign: int, flank: tuple[int, int] = (1, 1)
 ) -> Transfer:
-    """Torque and reactions per newton of the axial force F.
-
-    Parameters
-    ----------
-    slope : pair of array_like
-        Slopes a_i = dz/dpsi of both grooves [m/rad].
-    friction : pair of array_like
-        Coefficients of friction mu_i [1].
-    radius : pair of array_like
-        Radii r_i [m].
-    sign : {1, -1, 0}
-        +1 loading, -1 releasing, 0 without friction.
-    flank : tuple of int
-        By groove: +1 the pin bears on the flank that supports F, -1 on the other flank.
-
-    Returns
-    -------
-    Transfer
-        By the formulas at the head of this file, also where they have no meaning: see `Transfer.regular`.
-
-    Notes
-    -----
-    Source: docs/mechanism.md, section 3.
-
-    Examples
-    --------
-    >>> from dualcam.design.statics import transfer
-    >>> found = transfer((0.02, 0.02), (0.14, 0.14), (0.02, 0.02), sign=1)  # two helices of 45 deg
-    >>> round(float(found.rho), 6)  # m: (1 + mu)/(1 - mu) r/2
-    0.013256
-    """
+    """Torque and reactions per newton of the axial force F, by the formulas at the head of this file, where
+    `Transfer.regular`. `flank`: +1 where the pin bears on the flank that supports F."""
     given = [np.asarray(one) for pair in (slope, friction, radius) for one in pair]
     kind = np.result_type(float, *given)  # complex for derivatives by a complex step
     parts = np.broadcast_arrays(*(one.astype(kind) for one in given))
@@ -164,26 +81,11 @@ def transfer(
 
 
 def band_factors(slope: Pair, friction: Pair, radius: Pair) -> tuple[Array, Array]:
-    """The edges of the stick band over the axial force F.
+    """The edges of the stick band over the axial force F: T_release/F and T_load/F [m].
 
-    Parameters
-    ----------
-    slope : pair of array_like
-        Slopes a_i = dz/dpsi of both grooves [m/rad].
-    friction : pair of array_like
-        Coefficients of friction mu_i [1].
-    radius : pair of array_like
-        Radii r_i [m].
-
-    Returns
-    -------
-    tuple of ndarray
-        T_release/F and T_load/F [m]. T_load is +inf where no torque loads. T_release is <= 0 where a contact
-        locks itself (lambda_i <= atan mu_i), -inf where both are wedged.
-
-    Notes
-    -----
-    Source: docs/mechanism.md, section 3.
+    T_load is +inf where no torque loads. T_release is <= 0 where a contact locks itself (lambda_i <= atan
+    mu_i), -inf where both are wedged. `slope`: slopes a_i = dz/dpsi of both grooves [m/rad]. `friction`:
+    coefficients of friction mu_i [1]. `radius`: radii r_i [m]. Source: docs/mechanism.md, section 3.
 
     Examples
     --------
@@ -197,23 +99,7 @@ def band_factors(slope: Pair, friction: Pair, radius: Pair) -> tuple[Array, Arra
 
 
 def band(slope: Pair, friction: Pair, radius: Pair) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
-    """The edges of the stick band over the axial force F, with the reactions there.
-
-    Parameters
-    ----------
-    slope : pair of array_like
-        Slopes a_i = dz/dpsi of both grooves [m/rad].
-    friction : pair of array_like
-        Coefficients of friction mu_i [1].
-    radius : pair of array_like
-        Radii r_i [m].
-
-    Returns
-    -------
-    tuple of tuple of ndarray
-        The factors (release, load) of `band_factors` [m], and the normal forces over F that belong to them
-        [1], shape (2, ...) each.
-    """
+    """The factors (release, load) of `band_factors` [m], and their normal forces over F, shape (2, ...)."""
     loading = transfer(slope, friction, radius, 1)
     load = np.where(loading.regular, loading.rho, np.inf)
     push = np.where(loading.regular, loading.reaction, np.inf)
@@ -227,29 +113,11 @@ def band(slope: Pair, friction: Pair, radius: Pair) -> tuple[tuple[Array, Array]
 
 
 def efficiency(lead_angle: Pair, friction: Pair, radius: Pair = (1.0, 1.0)) -> Array:
-    """The efficiency eta = T_release/T_load at the same z.
+    """The efficiency eta = T_release/T_load at the same z [1].
 
-    Parameters
-    ----------
-    lead_angle : pair of array_like
-        Lead angles lambda_i [rad].
-    friction : pair of array_like
-        Coefficients of friction mu_i [1], >= 0.
-    radius : pair of array_like
-        Radii r_i [m], > 0. Only the ratio of the radii counts.
-
-    Returns
-    -------
-    ndarray
-        eta; <= 0 where a contact locks itself, -inf or nan where the mechanism is wedged.
-
-    Raises
-    ------
-    DesignError
-        A coefficient of friction or a radius outside its range.
-
-    Notes
-    -----
+    It is <= 0 where a contact locks itself, -inf or nan where the mechanism is wedged. `lead_angle`: lead
+    angles lambda_i [rad]. `friction`: coefficients of friction mu_i [1], >= 0. `radius`: radii r_i [m], > 0.
+    Only the ratio of the radii counts. DesignError: a coefficient of friction or a radius outside its range.
     Source: docs/mechanism.md, section 8.
 
     Examples
@@ -259,15 +127,7 @@ def efficiency(lead_angle: Pair, friction: Pair, radius: Pair = (1.0, 1.0)) -> A
     >>> round(float(efficiency((math.pi / 4, math.pi / 4), (0.14, 0.14))), 4)  # ((1 - mu)/(1 + mu))^2
     0.5691
     """
-    for name, pair, good in (
-        ("friction", friction, lambda values: values >= 0.0),
-        ("radius", radius, lambda values: values > 0.0),
-    ):
-        for i, values in enumerate(pair):
-            found = real_array(values, f"{name}[{i}]", DesignError)
-            if not (np.isfinite(found) & good(found)).all():
-                low = "0" if name == "friction" else "more than 0"
-                raise DesignError(f"{name}[{i}] = {values}: allowed are finite numbers from {low} on")
+    _check_ranges(friction, radius)
     angles = [real_array(angle, f"lead_angle[{i}]", DesignError) for i, angle in enumerate(lead_angle)]
     slope = [np.asarray(r) * np.tan(angle) for r, angle in zip(radius, angles, strict=True)]
     release, load = band_factors(slope, friction, radius)
@@ -275,18 +135,22 @@ def efficiency(lead_angle: Pair, friction: Pair, radius: Pair = (1.0, 1.0)) -> A
         return np.asarray(release / load)
 
 
+def _check_ranges(friction: Pair, radius: Pair) -> None:
+    """DesignError unless all are finite, coefficients of friction >= 0, and radii > 0."""
+    for name, pair, allowed in (("friction", friction, ">= 0"), ("radius", radius, "> 0")):
+        for i, values in enumerate(pair):
+            found = real_array(values, f"{name}[{i}]", DesignError)
+            good = found >= 0.0 if name == "friction" else found > 0.0
+            if not (np.isfinite(found) & good).all():
+                raise DesignError(f"{name}[{i}] = {values}: allowed is a finite number {allowed}")
+
+
 @dataclass(frozen=True)
 class BestLeadAngles:
     """The pair of lead angles with the best efficiency.
 
-    Attributes
-    ----------
-    lead_angle : tuple of float
-        lambda_1 and lambda_2 [rad].
-    efficiency : float
-        The best efficiency.
-    friction : float
-        mu_e: two equal contacts with this coefficient would have the same efficiency.
+    `lead_angle`: lambda_1 and lambda_2 [rad]. `efficiency`: the best efficiency. `friction`: mu_e: two equal
+    contacts with this coefficient would have the same efficiency.
     """
 
     lead_angle: tuple[float, float]
@@ -297,22 +161,10 @@ class BestLeadAngles:
 def optimum(friction: Sequence[float], radius: Sequence[float] = (1.0, 1.0)) -> BestLeadAngles:
     """The best lead angles, in closed form.
 
-    Parameters
-    ----------
-    friction : sequence of float, shape (2,)
-        Coefficients of friction mu_1, mu_2 [1], both > 0 or both 0.
-    radius : sequence of float, shape (2,)
-        Radii r_1, r_2 [m], > 0. Only the ratio of the radii counts.
-
-    Returns
-    -------
-    BestLeadAngles
-
-    Raises
-    ------
-    DesignError
-        There is no optimum. With mu_e >= 1 the spring drives nothing back. With one friction zero eta only
-        tends to 1 as lambda_i tend to 0 and 90 deg.
+    `friction`: coefficients of friction mu_1, mu_2 [1], both > 0 or both 0, shape (2,). `radius`: radii r_1,
+    r_2 [m], > 0, shape (2,). Only the ratio of the radii counts. DesignError: there is no optimum. With mu_e
+    >= 1 the spring drives nothing back. With one friction zero eta only tends to 1 as lambda_i tend to 0 and
+    90 deg.
 
     Notes
     -----
@@ -334,11 +186,8 @@ def optimum(friction: Sequence[float], radius: Sequence[float] = (1.0, 1.0)) -> 
     for name, pair in (("friction", friction), ("radius", radius)):
         if np.shape(pair) != (2,):
             raise DesignError(f"{name} = {pair!r}: allowed are two numbers")
+    _check_ranges(friction, radius)
     (mu1, mu2), (r1, r2) = (tuple(map(float, pair)) for pair in (friction, radius))
-    for name, values, low in (("friction", (mu1, mu2), "0"), ("radius", (r1, r2), "more than 0")):
-        for i, value in enumerate(values):
-            if not (math.isfinite(value) and value >= 0.0 and (name == "friction" or value > 0.0)):
-                raise DesignError(f"{name}[{i}] = {value}: allowed is a finite number from {low} on")
     if mu1 == mu2 == 0.0:
         return BestLeadAngles((math.pi / 4, math.pi / 4), 1.0, 0.0)
     if mu1 == 0.0 or mu2 == 0.0:
@@ -359,14 +208,9 @@ def optimum(friction: Sequence[float], radius: Sequence[float] = (1.0, 1.0)) -> 
 class EfficiencyMap:
     """Efficiency over both lead angles.
 
-    Attributes
-    ----------
-    lead_angle : ndarray, shape (n,)
-        Lead angles of both axes [rad].
-    efficiency : ndarray, shape (n, n)
-        [i, j] at lambda_1 = lead_angle[j], lambda_2 = lead_angle[i].
-    friction, radius : tuple of float
-        Coefficients of friction [1] and radii [m].
+    `lead_angle`: lead angles of both axes [rad], shape (n,). `efficiency`: [i, j] at lambda_1 =
+    lead_angle[j], lambda_2 = lead_angle[i], shape (n, n). `friction`, `radius`: coefficients of friction [1]
+    and radii [m].
     """
 
     lead_angle: Array
@@ -375,17 +219,9 @@ class EfficiencyMap:
     radius: tuple[float, float]
 
     def draw(self, axes: Axes) -> QuadContourSet:
-        """Contours with the optimum; grey where the spring cannot drive the mechanism back.
+        """Contours with the optimum, for `figure.colorbar`; grey where the spring cannot drive back.
 
-        Parameters
-        ----------
-        axes : matplotlib.axes.Axes
-            Where the map is drawn.
-
-        Returns
-        -------
-        matplotlib.contour.QuadContourSet
-            For `figure.colorbar`.
+        `axes`: where the map is drawn.
         """
         degrees = np.degrees(self.lead_angle)
         driven = np.ma.masked_where(~(self.efficiency > 0.0), self.efficiency)
@@ -413,23 +249,9 @@ def efficiency_map(
 ) -> EfficiencyMap:
     """The efficiency over all lead angles, 0 and 90 deg left out.
 
-    Parameters
-    ----------
-    friction : tuple of float
-        Coefficients of friction mu_1, mu_2 [1], >= 0.
-    radius : tuple of float
-        Radii r_1, r_2 [m], > 0. Only the ratio of the radii counts.
-    points : int
-        Lead angles on each axis, >= 2.
-
-    Returns
-    -------
-    EfficiencyMap
-
-    Raises
-    ------
-    DesignError
-        An argument outside its range.
+    `friction`: coefficients of friction mu_1, mu_2 [1], >= 0. `radius`: radii r_1, r_2 [m], > 0. Only the
+    ratio of the radii counts. `points`: lead angles on each axis, >= 2. DesignError: an argument outside its
+    range.
 
     Examples
     --------

@@ -1,15 +1,9 @@
 """Can the grooves be made, and do they carry their load?
 
-The pin of radius p runs in a groove that a cutter of its radius made: the flanks are the curves parallel
-to the path of the pin's centre at distance p on either side. With the signed curvature k of the unwrapped
-path (+ where the groove steepens) their radii are 1/|k| - p inside the bend and 1/|k| + p outside of it.
-Where p |k| >= 1 the inner flank is undercut.
-
-The flank that supports the spring lies below the path, outside of a bend that steepens, where it is hollow
-and the contact is closer: 1/R = 1/p - k/(1 + k p), so R = p (1 + k p). On the other flank R = p (1 - k p).
-The pressure is that of a line contact by Hertz (hertz.py).
-
-The flank counts as the cylinder into which it unwraps at the cam's radius, as in the FMU's statics.
+With the signed curvature k of the unwrapped path of the pin's centre (+ where the groove steepens) the inner
+flank of a pin of radius p is undercut where p |k| >= 1. On the flank below the path, which supports the
+spring, the relative radius is p (1 + k p), on the other flank p (1 - k p) (hertz.py). The flank counts as the
+cylinder into which it unwraps at the cam's radius, as in the FMU's statics.
 """
 
 from __future__ import annotations
@@ -38,23 +32,16 @@ class Limits:
 
     Parameters
     ----------
-    lead_angle : tuple of float
-        Least and greatest lead angle [rad].
-    pressure : float
-        Greatest contact pressure [Pa].
-    self_locking : bool
-        Whether a contact may lock itself.
-    spring_safety : float
-        Least Goodman safety of the helical spring [1].
-    wear_depth : float
-        Greatest depth of wear of each groove and of the pin [m].
-    cycles : float
-        Least number of slow cycles until the wear has that depth; 0: any number.
+    lead_angle : Least and greatest lead angle [rad].
+    pressure : Greatest contact pressure [Pa].
+    self_locking : Whether a contact may lock itself.
+    spring_safety : Least Goodman safety of the helical spring [1].
+    wear_depth : Greatest depth of wear of each groove and of the pin [m].
+    cycles : Least number of slow cycles until the wear has that depth; 0: any number.
 
     Raises
     ------
-    DesignError
-        Lead angles that do not grow inside [0, pi/2], or another value outside its range.
+    DesignError : Lead angles that do not grow inside [0, pi/2], or another value outside its range.
 
     Examples
     --------
@@ -138,27 +125,13 @@ def assess(
 ) -> Assessment:
     """Can the grooves be made, do they carry their load, and does the FMU start with them?
 
-    Parameters
-    ----------
-    mechanism : Mechanism
-    pin : Pin or None
-        Without a pin neither undercut nor contact pressure is checked.
-    limits : Limits, optional
-        Allowed lead angles, pressure and self-locking.
-    points : int
-        Angles, evenly over the range, at which the properties are computed; a failure is located in between.
+    The assessment has the properties where both grooves reach, shape (points,), and findings: each kind of
+    failure once for each groove, at the first angle where it occurs. Without findings (`good`) the FMU starts
+    with `mechanism.parameters(...)`.
 
-    Returns
-    -------
-    Assessment
-        Properties where both grooves reach, shape (points,), and findings: each kind of failure once for each
-        groove, at the first angle where it occurs. Without findings (`good`) the FMU starts with
-        `mechanism.parameters(...)`.
-
-    Raises
-    ------
-    DesignError
-        For fewer than 2 points.
+    `mechanism`. `pin`: without a pin neither undercut nor contact pressure is checked. `limits`: allowed lead
+    angles, pressure and self-locking. `points`: angles, evenly over the range, at which the properties are
+    computed; a failure is located in between. DesignError: for fewer than 2 points.
 
     Examples
     --------

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from dualcam.common.unit_guards import units_checked_before, warn_units
 from dualcam.design.design import Design
-from dualcam.design.groove_equation import GrooveProblem, groove_problem
+from dualcam.design.groove_equation import groove_problem
 from dualcam.design.grooves import Groove
 from dualcam.design.mechanism import Spring
 from dualcam.design.proposal import VARIED, SpringProposal, propose, with_proposals
@@ -32,35 +32,29 @@ def synthesize(
 ) -> Design:
     """The groove that makes a given spring give a wanted torque in slow motion.
 
+    The torque is that of spring and friction: no external force, damper, mass or shaft damping. The FMU
+    refuses a mechanism that jams when loading; `assess` finds that. The equations are in groove_equation.py.
+
     Parameters
     ----------
-    torque : float, function or tuple of two array_like
+    torque
         Wanted torque. A number: the same torque [N.m] at each angle. A function of an array of theta [rad].
         Samples (theta, torque) [rad, N.m], which a cubic spline joins.
-    upper : float
-        End of the range of theta [rad], which begins at 0.
-    spring : Spring
-        Force of the spring over z.
+    upper : End of the range of theta [rad], which begins at 0.
+    spring : Force of the spring over z.
     direction : {"loading", "releasing", "frictionless"}
         The torque is that of slow loading or that of slow releasing, friction included; or that of the same
         grooves without friction, which lies between the two.
-    groove2 : Helix, Ellipse, Table or None
-        Groove of cam 2. None: both grooves become equal.
-    friction : sequence of two floats
-        Friction coefficients of both contacts [1].
-    radius : float
-        Radius of cam 1 [m].
-    contacts : {1, 2}
-        Number of pin ends that share the load.
-    kinks : sequence of float
-        Angles at which the torque has a kink [rad].
-    tolerance : float
-        Largest allowed relative error of the torque [1].
+    groove2 : Groove of cam 2. None: both grooves become equal.
+    friction : Friction coefficients of both contacts [1].
+    radius : Radius of cam 1 [m].
+    contacts : Number of pin ends that share the load, 1 or 2.
+    kinks : Angles at which the torque has a kink [rad].
+    tolerance : Largest allowed relative error of the torque [1].
 
     Returns
     -------
-    Design
-        The groove as a table for the FMU. `Design.summary()` says what friction does to it.
+    The groove as a table for the FMU. `Design.summary()` says what friction does to it.
 
     Raises
     ------
@@ -70,13 +64,7 @@ def synthesize(
 
     Warns
     -----
-    UnitWarning
-        If `upper` is above 2 pi, which looks like degrees.
-
-    Notes
-    -----
-    The torque is that of spring and friction: no external force, damper, mass or shaft damping. The FMU
-    refuses a mechanism that jams when loading; `assess` finds that. The equations are in groove_equation.py.
+    UnitWarning : If `upper` is above 2 pi, which looks like degrees.
 
     Examples
     --------
@@ -86,9 +74,8 @@ def synthesize(
     >>> design.torque([0.0, 0.6, 1.2]).round(4)
     array([5., 5., 5.])
     """
-    problem = _problem(
-        torque, upper, spring, direction, groove2, friction, radius, kinks, contacts, tolerance
-    )
+    _check(upper, contacts, tolerance)
+    problem = groove_problem(torque, upper, spring, direction, groove2, friction, radius, kinks)
     with units_checked_before():
         try:
             solution = problem.solve()
@@ -113,26 +100,13 @@ def propose_spring(
 ) -> SpringProposal:
     """A spring with which `synthesize` gives the wanted torque.
 
-    Parameters
-    ----------
-    torque, upper, direction, groove2, friction, radius, contacts, kinks, tolerance
-        As in `synthesize`.
-    spring : Spring
-        The spring to change.
-    vary : {"preload", "stiffness", "both"}
-        What may be changed. "both": a new preload and a new stiffness, with which the force doubles over
-        about the range.
+    Of the springs that work, it is the one whose groove has lead angles nearest to 45 deg, where friction
+    costs least. `SpringProposal.spring` goes into `synthesize`.
 
-    Returns
-    -------
-    SpringProposal
-        Of the springs that work, the one whose groove has lead angles nearest to 45 deg, where friction costs
-        least. `SpringProposal.spring` goes into `synthesize`.
-
-    Raises
-    ------
-    DesignError
-        If no such spring is found, or an argument is not allowed.
+    `torque`, `upper`, `direction`, `groove2`, `friction`, `radius`, `contacts`, `kinks`, `tolerance`: as in
+    `synthesize`. `spring`: the spring to change. `vary`: "preload", "stiffness" or "both": new ones with
+    which the force doubles over about the range. DesignError: no such spring is found, or an argument is not
+    allowed.
 
     Examples
     --------
@@ -144,9 +118,8 @@ def propose_spring(
     """
     if vary not in VARIED:
         raise DesignError(f"vary = {vary!r}: allowed are {', '.join(VARIED)}")
-    problem = _problem(
-        torque, upper, spring, direction, groove2, friction, radius, kinks, contacts, tolerance
-    )
+    _check(upper, contacts, tolerance)
+    problem = groove_problem(torque, upper, spring, direction, groove2, friction, radius, kinks)
     with units_checked_before():
         found = propose(problem, vary, contacts, tolerance)
     if found is None:
@@ -158,21 +131,9 @@ def propose_spring(
     return found
 
 
-def _problem(
-    torque: WantedTorque,
-    upper: float,
-    spring: Spring,
-    direction: str,
-    groove2: Groove | None,
-    friction: Sequence[float],
-    radius: float,
-    kinks: Sequence[float],
-    contacts: int,
-    tolerance: float,
-) -> GrooveProblem:
+def _check(upper: float, contacts: int, tolerance: float) -> None:
     if not 0.0 < tolerance < 1.0:
         raise DesignError(f"tolerance = {tolerance}: allowed is a number > 0, below 1")
     if contacts not in (1, 2):
         raise DesignError(f"contacts = {contacts!r}: allowed are 1 and 2")
     warn_units({"upper": ("stop.upper", upper)}, stacklevel=4)
-    return groove_problem(torque, upper, spring, direction, groove2, friction, radius, kinks)

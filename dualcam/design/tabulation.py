@@ -20,8 +20,7 @@ MOST_SAMPLES = 20_000
 
 
 def tabulate(problem: GrooveProblem, solution: GrooveSolution, contacts: int, tolerance: float) -> Design:
-    """The design whose table has samples close enough that its curve gives the torque to the tolerance.
-    DesignError if no table does."""
+    """The design whose table gives the torque to the tolerance. DesignError if no table does."""
     theta = np.unique([*np.linspace(0.0, problem.upper, FIRST_INTERVALS + 1), *problem.kinks])
     while True:
         design, error = _attempt(problem, solution, theta, contacts)

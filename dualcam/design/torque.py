@@ -25,39 +25,8 @@ MOST_DOUBTFUL = 1000  # samples; more would give no table of a groove
 
 
 def wanted_torque(torque: WantedTorque, angles: Array) -> Torque:
-    """The wanted torque as a function that takes arrays.
-
-    Parameters
-    ----------
-    torque : float, function or tuple of two array_like
-        A number: the same torque [N.m] at each angle. A function of theta [rad], for arrays or for one angle
-        at a time. Samples (theta, torque) [rad, N.m] of shape (n,), n >= 4, which a cubic spline joins. The
-        spline continues samples that end up to 1e-4 rad before the range, as rounded angles do. More than 400
-        smooth samples are thinned, as long as the spline meets all of them to 1e-5 of the largest torque.
-    angles : ndarray, shape (m,)
-        Angles [rad] of the range, from 0 to its end, at which a function is tried.
-
-    Returns
-    -------
-    function
-        Torque [N.m] at an array of theta [rad], of the shape of that array.
-
-    Raises
-    ------
-    DesignError
-        For a number that is not finite, a function that fails at `angles`, and samples that are no numbers,
-        do not increase, do not cover the range, or are many and noisy.
-
-    Warns
-    -----
-    DualcamWarning
-        For samples with noise that makes the groove wavy.
-
-    Examples
-    --------
-    >>> wanted_torque(5.0, np.linspace(0.0, 1.4, 50))(np.array([0.2, 0.7]))
-    array([5., 5.])
-    """
+    """The wanted torque as a function that takes arrays of theta: a number, a function, or the spline through
+    samples, which is tried at `angles`. DesignError for what is no torque at each of them."""
     if isinstance(torque, Real) and not isinstance(torque, bool):
         return _constant(float(real_array(torque, "torque", DesignError)))
     if callable(torque):
@@ -72,8 +41,7 @@ def _constant(value: float) -> Torque:
 
 
 def _function(torque: Torque, angles: Array) -> Torque:
-    """`torque` for arrays, also if the function takes one angle at a time, or returns one number for an
-    array."""
+    """`torque` for arrays, also if it takes one angle at a time, or returns one number for an array."""
 
     def at_once(theta: Array) -> Array:
         found = np.asarray(torque(theta)).astype(float, casting="same_kind")  # no complex numbers

@@ -19,19 +19,15 @@ class TorqueBand:
 
     Attributes
     ----------
-    theta
-        Angle of cam 2 [rad], shape (n,).
-    z
-        Displacement of the follower [m].
+    theta : Angle of cam 2 [rad], shape (n,).
+    z : Displacement of the follower [m].
     release, load
         Edges of the stick band [N.m]: below `release` the cam releases, above `load` the cam loads. Infinite
         `load`: friction jams the mechanism.
     efficiency
         Torque given back over torque to load, at the same angle; below 0 where the mechanism locks itself.
-    frictionless
-        Torque of the same grooves without friction [N.m].
-    lead_angle
-        Of both grooves at the pin [rad], shape (2, n).
+    frictionless : Torque of the same grooves without friction [N.m].
+    lead_angle : Of both grooves at the pin [rad], shape (2, n).
     """
 
     theta: Array
@@ -84,17 +80,8 @@ def span(values: Array) -> str:
 def torque_band(mechanism: Mechanism, points: int = 181) -> TorqueBand:
     """The torque band at `points` angles evenly over the mechanism's range.
 
-    Parameters
-    ----------
-    mechanism
-        Grooves, friction, spring and range.
-    points
-        Number of angles, 2 or more.
-
-    Raises
-    ------
-    DesignError
-        For fewer than 2 points.
+    `mechanism`: grooves, friction, spring and range. `points`: number of angles, 2 or more. DesignError: for
+    fewer than 2 points.
     """
     if points < 2:
         raise DesignError(f"points = {points}: allowed is 2 or more")

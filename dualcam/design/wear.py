@@ -1,28 +1,12 @@
 """Wear of grooves and pin by Archard's law, and what wear changes: preload and torque.
 
-Archard: a contact with the load N that slides by ds loses the volume K N ds, with the specific wear rate K
-[m3/(N.m)]. One cycle is a slow move from the lower stop to the upper one and back, without external force.
+One cycle is a slow move from the lower stop to the upper one and back, without external force; its loads are
+those of the new mechanism. docs/design-quantities.md derives, with the specific wear rate K, N the load and L
+the width of the pin:
 
-Groove. While the pin of width L passes a place of the groove, the integral of the pressure over the sliding
-distance is N/L. So the place loses the depth K N/L in each pass, normal to the flank, whatever the width of
-the contact is. Each end of the follower has its own groove, so each place has two passes in a cycle.
-
-Pin. The pin loses the volume V = K_pin (integral of N ds) in each cycle. A pin that does not turn touches
-the flank along one line. There a flat grows. The flat of depth h on the relative radius R has the volume
-L (4/3) h sqrt(2 R h), so h = (3 V/(4 L sqrt(2 R)))^(2/3). Each end of the pin has its own
-flat: R is the least one of its own groove. This is the largest depth: on a curved groove the line wanders,
-and the wear spreads. A pin or roller that turns wears all around: h = V/(2 pi r L).
-
-Preload and torque. A depth h normal to a flank of lead angle lambda lowers the groove by
-delta = h/cos(lambda) along the axis. The worn grooves are z = g_i(psi) - delta_i(psi), and the pin is where
-they meet. To first order the follower sinks by (a_2 delta_1 + a_1 delta_2)/(a_1 + a_2), a_i = dg_i/dpsi. The
-spring loses stiffness times that way. The slope of the worn grooves changes the torque, too.
-
-The load is that of the new mechanism: the wear of many cycles is in proportion to their number, but for the
-flat of the pin. Since wear unloads the spring, this is slightly too much.
-
-Source: J. F. Archard, Contact and rubbing of flat surfaces, Journal of Applied Physics 24 (1953);
-docs/design-quantities.md has the derivation.
+    depth of a groove  K N/L in each pass of the pin, normal to the flank; lowered by h/cos(lambda)
+    flat of a pin      h = (3 V/(4 L sqrt(2 R)))^(2/3) from the lost volume V; R the least relative radius
+    a pin that turns   h = V/(2 pi r L)
 """
 
 from __future__ import annotations
@@ -51,10 +35,7 @@ NEWTON_STEPS = 40
 class WearLife:
     """Cycles until the wear has an allowed depth.
 
-    Attributes
-    ----------
-    groove1, groove2, pin : float
-        Cycles of each part; infinite for a part that does not wear.
+    `groove1`, `groove2`, `pin`: cycles of each part; infinite for a part that does not wear.
     """
 
     groove1: float
@@ -82,20 +63,13 @@ class WornMechanism:
 
     Attributes
     ----------
-    cycles : float
-        The number of cycles.
-    theta : ndarray
-        Angle of cam 2 [rad].
-    drop : ndarray
-        Way by which the follower stands lower than when new [m].
-    force_loss : ndarray
-        Force that the spring has lost [N].
-    preload_loss : float
-        The same at theta = 0 [N].
-    release, load : ndarray
-        Edges of the stick band [N.m].
-    new_release, new_load : ndarray
-        Edges of the stick band of the new mechanism [N.m].
+    cycles : The number of cycles.
+    theta : Angle of cam 2 [rad].
+    drop : Way by which the follower stands lower than when new [m].
+    force_loss : Force that the spring has lost [N].
+    preload_loss : The same at theta = 0 [N].
+    release, load : Edges of the stick band [N.m].
+    new_release, new_load : Edges of the stick band of the new mechanism [N.m].
     """
 
     cycles: float
@@ -122,22 +96,18 @@ class Wear:
     ----------
     mechanism : Mechanism
     pin : Pin
-    turns : bool
-        Whether the pin turns while it moves along the groove.
-    theta : ndarray, shape (n,)
-        Angle of cam 2 [rad].
-    psi : ndarray, shape (2, n)
-        Place of the pin along each groove [rad].
-    depth : ndarray, shape (2, n)
-        Depth that the flank which supports the spring loses in a cycle [m], normal to the flank.
-    other_depth : ndarray, shape (2, n)
-        The same of the other flank. The pin bears on that flank only while a self-locking cam releases.
-    path : ndarray, shape (2,)
-        Sliding distance along each groove in a cycle [m].
-    volume : ndarray, shape (2,)
-        Volume that each groove loses in a cycle [m3], of one contact.
-    pin_volume : ndarray, shape (2,)
-        Volume that the pin loses in a cycle [m3], of one contact.
+    turns : Whether the pin turns while it moves along the groove.
+    theta : Angle of cam 2 [rad], shape (n,).
+    psi : Place of the pin along each groove [rad], shape (2, n).
+    depth
+        Depth that the flank which supports the spring loses in a cycle [m], normal to the flank, shape (2,
+        n).
+    other_depth
+        The same of the other flank, shape (2, n). The pin bears on that flank only while a self-locking cam
+        releases.
+    path : Sliding distance along each groove in a cycle [m], shape (2,).
+    volume : Volume that each groove loses in a cycle [m3], of one contact, shape (2,).
+    pin_volume : Volume that the pin loses in a cycle [m3], of one contact, shape (2,).
     """
 
     mechanism: Mechanism
@@ -157,18 +127,7 @@ class Wear:
         return np.asarray(np.maximum(self.depth, self.other_depth).max(axis=1))
 
     def pin_depth(self, cycles: float) -> Array:
-        """Depth of wear on the pin after a number of cycles.
-
-        Parameters
-        ----------
-        cycles : float
-            Number of cycles, >= 0.
-
-        Returns
-        -------
-        ndarray, shape (2,)
-            Depth in groove 1 and in groove 2 [m].
-        """
+        """Depth of wear on the pin in grooves 1 and 2 [m], shape (2,), after a number of `cycles`, >= 0."""
         area = _count(cycles) * self.pin_volume / self.pin.width
         if self.turns:
             return np.asarray(area / (2.0 * math.pi * self.pin.radius))
@@ -177,19 +136,8 @@ class Wear:
     def life(self, allowed: float) -> WearLife:
         """Cycles until a part has the allowed depth of wear.
 
-        Parameters
-        ----------
-        allowed : float
-            Allowed depth normal to the surface [m], > 0, of each groove and of the pin.
-
-        Returns
-        -------
-        WearLife
-
-        Raises
-        ------
-        DesignError
-            A depth that is not above 0.
+        `allowed` depth normal to the surface [m], > 0, of each groove and of the pin. DesignError: a depth
+        that is not above 0.
         """
         if not 0.0 < allowed < math.inf:
             raise DesignError(f"allowed depth = {allowed}: allowed is a finite number > 0 in m")
@@ -202,23 +150,11 @@ class Wear:
         return WearLife(float(grooves[0]), float(grooves[1]), float(pin.min()))
 
     def after(self, cycles: float) -> WornMechanism:
-        """The mechanism after a number of cycles: lost preload, and torque.
+        """The mechanism after `cycles`, >= 0: wear of the flanks that support the spring and of the pin,
+        torque.
 
-        Parameters
-        ----------
-        cycles : float
-            Number of cycles, >= 0.
-
-        Returns
-        -------
-        WornMechanism
-            Wear of the flanks that support the spring, and of the pin.
-
-        Raises
-        ------
-        DesignError
-            So many cycles that the wear is deeper than a quarter of the pin's radius, or that the spring is
-            slack.
+        DesignError: so many cycles that the wear is deeper than a quarter of the pin's radius, or that the
+        spring is slack.
 
         Examples
         --------
@@ -254,30 +190,11 @@ def wear(
 ) -> Wear:
     """Wear of grooves and pin in one slow cycle, from the lower stop to the upper one and back.
 
-    Parameters
-    ----------
-    mechanism : Mechanism
-    pin : Pin
-        With the specific wear rate of the pin, `pin.wear`.
-    rates : sequence of float, shape (2,)
-        Specific wear rates of groove 1 and groove 2 [m3/(N.m)], >= 0: the FMU's `cam1.wear`, `cam2.wear`.
-    turns : bool
-        Whether the pin turns in the groove, as a roller does. Then the pin wears all around.
-    points : int
-        Angles, evenly over the range, >= 5.
-
-    Returns
-    -------
-    Wear
-
-    Raises
-    ------
-    DesignError
-        Rates that are negative, too few points, an undercut flank, or grooves that are level together.
-
-    Notes
-    -----
-    Source: the formulas at the head of this file.
+    `mechanism`. `pin`: with the specific wear rate of the pin, `pin.wear`. `rates`: specific wear rates of
+    groove 1 and groove 2 [m3/(N.m)], >= 0: the FMU's `cam1.wear`, `cam2.wear`, shape (2,). `turns`: whether
+    the pin turns in the groove, as a roller does. Then the pin wears all around. `points`: angles, evenly
+    over the range, >= 5. DesignError: rates that are negative, too few points, an undercut flank, or grooves
+    that are level together. Source: the formulas at the head of this file.
 
     Examples
     --------

@@ -32,14 +32,8 @@ TORQUE = TableKind(
 class TorqueCurve:
     """Samples of a torque over the angle, from a file.
 
-    Attributes
-    ----------
-    theta : ndarray, shape (n,)
-        Angles [rad].
-    torque : ndarray, shape (n,)
-        Torques [N.m].
-    angle_unit, torque_unit : str
-        Units in the file, as its header has them.
+    `theta`: angles [rad], shape (n,). `torque`: torques [N.m], shape (n,). `angle_unit`, `torque_unit`: units
+    in the file, as its header has them.
     """
 
     theta: Array
@@ -51,27 +45,14 @@ class TorqueCurve:
     def read(cls, path: str | Path) -> TorqueCurve:
         """From a CSV file whose header names the units.
 
-        Parameters
-        ----------
-        path : str or Path
-            File with one column of increasing angles and one of torques, in any order; others are left out.
-            The header has units, as in `theta_deg,torque_Nm` or `angle [rad]; torque [N.mm]`; docs/tables.md
-            says what else is read.
-
-        Returns
-        -------
-        TorqueCurve
-
-        Raises
-        ------
-        DesignError
-            If the file cannot be read, the header lacks a unit, a line has no two numbers, or an angle is not
-            above the one before. The message has the line and what is allowed.
+        `path`: file with one column of increasing angles and one of torques, in any order; others are left
+        out. The header has units, as in `theta_deg,torque_Nm` or `angle [rad]; torque [N.mm]`; docs/tables.md
+        says what else is read. DesignError: if the file cannot be read, the header lacks a unit, a line has
+        no two numbers, or an angle is not above the one before. The message has the line and what is allowed.
 
         Warns
         -----
-        UnitWarning
-            Numbers that look as if they were in another unit.
+        UnitWarning : Numbers that look as if they were in another unit.
         """
         path = path_of(path, "the torque file")
         table = read_table(path, TORQUE)
@@ -103,27 +84,11 @@ def design_groove(
 ) -> Design:
     """Design a groove for a torque, and write its table.
 
-    Parameters
-    ----------
-    torque : float, str, Path or TorqueCurve
-        A number: the same torque [N.m] at each angle. A path: a CSV file, see `TorqueCurve.read`.
-    spring : Spring
-        Force of the spring over z.
-    upper : float or None
-        End of the range of theta [rad]. None: the last angle of the file.
-    table : str, Path or None
-        CSV file to write, for the FMU's parameter `cam1.table`. None: none is written.
-    direction, groove2, friction, radius, contacts
-        As in `synthesize`.
-
-    Returns
-    -------
-    Design
-
-    Raises
-    ------
-    DesignError
-        As `synthesize` and `TorqueCurve.read` do, and if a number comes without `upper`.
+    `torque`: a number: the same torque [N.m] at each angle. A path: a CSV file, see `TorqueCurve.read`.
+    `spring`: force of the spring over z. `upper`: end of the range of theta [rad]. None: the last angle of
+    the file. `table`: CSV file to write, for the FMU's parameter `cam1.table`. None: none is written.
+    `direction`, `groove2`, `friction`, `radius`, `contacts`: as in `synthesize`. DesignError: as `synthesize`
+    and `TorqueCurve.read` do, and if a number comes without `upper`.
 
     Examples
     --------

@@ -29,14 +29,8 @@ INITIAL = ("initial.theta", "initial.omega")
 class Gradient:
     """The gradient of a loss, of the shapes of the arguments of the run.
 
-    Attributes
-    ----------
-    start : ndarray, shape (count, 2)
-        By theta [1/rad] and omega [s/rad] at the start.
-    inputs : ndarray, shape (count, steps, n)
-        By the inputs of each step.
-    parameters : ndarray, shape (count, k)
-        By the parameters.
+    `start`: by theta [1/rad] and omega [s/rad] at the start, shape (count, 2). `inputs`: by the inputs of
+    each step, shape (count, steps, n). `parameters`: by the parameters, shape (count, k).
     """
 
     start: Array
@@ -48,13 +42,9 @@ class Gradient:
 class Rollout:
     """A run of all instances, with the Jacobian of each step.
 
-    Attributes
-    ----------
-    states : ndarray, shape (count, steps, 2)
-        theta [rad] and omega [rad/s] after each step.
-    jacobians : ndarray, shape (count, steps, 2, 2 + n + k)
-        Derivatives of theta and omega after a step by theta and omega before it, by the n inputs of the step,
-        and by the k parameters.
+    `states`: theta [rad] and omega [rad/s] after each step, shape (count, steps, 2). `jacobians`: derivatives
+    of theta and omega after a step by theta and omega before it, by the n inputs of the step, and by the k
+    parameters, shape (count, steps, 2, 2 + n + k). `input_count`: n.
     """
 
     states: Array
@@ -62,17 +52,10 @@ class Rollout:
     input_count: int
 
     def gradient(self, by_states: ArrayLike) -> Gradient:
-        """The gradient of a loss, by the chain rule from the last step to the first.
+        """The gradient of a loss by start, inputs and parameters, by the chain rule from the last step to the
+        first.
 
-        Parameters
-        ----------
-        by_states : array_like, shape (count, steps, 2)
-            The derivative of the loss by each element of `states`.
-
-        Returns
-        -------
-        Gradient
-            By the start, the inputs and the parameters.
+        `by_states`: the derivative of the loss by each element of `states`, shape (count, steps, 2).
 
         Examples
         --------
@@ -108,29 +91,19 @@ class DifferentiableFleet(ProcessBound):
 
     Parameters
     ----------
-    fmu : str or Path
-        "forward", or the path of an FMU of FMI 2.0 that `export_fmu` has made.
-    count : int
-        Number of instances, > 0.
-    h : float
-        Length of each step [s], > 0.
-    inputs : sequence of str
-        Of "tau" and "F_ext". Inputs are constant over a step.
-    parameters : sequence of str
-        Tunable parameters by which a run is differentiated.
-    values : mapping of str to value, optional
-        Start values of other parameters: one value, or an array of shape (count,). Default: the FMU's.
-    threads : int
-        Threads that share the instances, 1 to 256.
-    tolerance : float, optional
-        Relative tolerance of the FMU's integrator. None: 1e-9.
+    fmu : "forward", or the path of an FMU of FMI 2.0 that `export_fmu` has made.
+    count : Number of instances, > 0.
+    h : Length of each step [s], > 0.
+    inputs : Of "tau" and "F_ext". Inputs are constant over a step.
+    parameters : Tunable parameters by which a run is differentiated.
+    values : Start values of other parameters: one value, or an array of shape (count,). Default: the FMU's.
+    threads : Threads that share the instances, 1 to 256.
+    tolerance : Relative tolerance of the FMU's integrator. None: 1e-9.
 
     Raises
     ------
-    UnknownVariableError
-        The FMU has no derivatives by an input or a parameter.
-    FmuError
-        Another argument is wrong.
+    UnknownVariableError : The FMU has no derivatives by an input or a parameter.
+    FmuError : Another argument is wrong.
 
     See Also
     --------
@@ -207,28 +180,12 @@ class DifferentiableFleet(ProcessBound):
             self._plain_fleet.close()
 
     def rollout(self, start: ArrayLike, u: ArrayLike, p: ArrayLike | None = None) -> Rollout:
-        """A new run of all instances.
+        """A new run of all instances: the states after each step, and the Jacobians.
 
-        Parameters
-        ----------
-        start : array_like, shape (count, 2)
-            theta [rad] and omega [rad/s] at the start. Without inertia omega is not used.
-        u : array_like, shape (count, steps, n)
-            Inputs in the FMU's units, constant over each step.
-        p : array_like, shape (count, k), optional
-            The parameters of each instance. May be left out where there are none.
-
-        Returns
-        -------
-        Rollout
-            The states after each step, and the Jacobians.
-
-        Raises
-        ------
-        FleetError
-            The FMU refuses a start value or a step of an instance.
-        FmuError
-            A wrong shape or type.
+        `start`: theta [rad] and omega [rad/s] at the start, shape (count, 2). Without inertia omega is not
+        used. `u`: inputs in the FMU's units, constant over each step, shape (count, steps, n). `p`: the
+        parameters of each instance, shape (count, k). May be left out where there are none. FleetError: the
+        FMU refuses a start value or a step of an instance. FmuError: a wrong shape or type.
 
         Examples
         --------
@@ -244,26 +201,10 @@ class DifferentiableFleet(ProcessBound):
         return Rollout(np.ascontiguousarray(found[:, :, :2]), jacobians, len(self.inputs))
 
     def states(self, start: ArrayLike, u: ArrayLike, p: ArrayLike | None = None) -> Array:
-        """The states of `rollout`, without Jacobians: for a loss whose gradient is not wanted.
+        """The states of `rollout`, shape (count, steps, 2), without Jacobians.
 
-        The first call makes a second set of instances.
-
-        Parameters
-        ----------
-        start, u, p : array_like
-            As for `rollout`.
-
-        Returns
-        -------
-        ndarray, shape (count, steps, 2)
-            theta [rad] and omega [rad/s] after each step, in each bit as in `rollout`.
-
-        Raises
-        ------
-        FleetError
-            The FMU refuses a start value or a step of an instance.
-        FmuError
-            A wrong shape or type.
+        Theta [rad] and omega [rad/s] after each step are in each bit as in `rollout`. The first call makes a
+        second set of instances. `start`, `u`, `p` and the errors: as for `rollout`.
 
         Examples
         --------

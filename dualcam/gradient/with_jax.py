@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from dualcam.common.arrays import Array
 from dualcam.errors import DualcamError
-from dualcam.fmi.reals import Array
 from dualcam.gradient.rollout import DifferentiableFleet
 
 if TYPE_CHECKING:
@@ -26,12 +26,13 @@ def jax_rollout(fleet: DifferentiableFleet) -> Callable[[JaxArray, JaxArray, Jax
 
     The function is a `jax.custom_vjp`: JAX calls the fleet (`jax.pure_callback`), and goes backwards through
     the Jacobians of the steps. The function has first derivatives in reverse mode. `jax.vmap` makes one run
-    after another; give the fleet more instances instead.
+    after another; give the fleet more instances instead. Where no derivative exists, the derivative of one
+    side comes out, as `DifferentiableFleet` says. An error of the FMU comes as JAX's error, with the FMU's
+    message in its text.
 
     Parameters
     ----------
-    fleet : DifferentiableFleet
-        Stays open as long as the function is used.
+    fleet : Stays open as long as the function is used.
 
     Returns
     -------
@@ -42,15 +43,8 @@ def jax_rollout(fleet: DifferentiableFleet) -> Callable[[JaxArray, JaxArray, Jax
 
     Raises
     ------
-    ImportError
-        JAX is not installed.
-    DualcamError
-        JAX is set to numbers of 32 bits.
-
-    Notes
-    -----
-    Where no derivative exists, the derivative of one side comes out, as `DifferentiableFleet` says. An error
-    of the FMU comes as JAX's error, with the FMU's message in its text.
+    ImportError : JAX is not installed.
+    DualcamError : JAX is set to numbers of 32 bits.
 
     Examples
     --------

@@ -17,27 +17,12 @@ NEEDS = "torch_rollout needs PyTorch: https://pytorch.org says how to install it
 def torch_rollout(fleet: DifferentiableFleet) -> Callable[[Tensor, Tensor, Tensor], Tensor]:
     """The runs of a fleet as a function through which PyTorch differentiates (`torch.autograd.Function`).
 
-    Parameters
-    ----------
-    fleet : DifferentiableFleet
-        Stays open as long as the function is used.
-
-    Returns
-    -------
-    callable
-        `run(start, u, p)` with tensors of the shapes (count, 2), (count, steps, n) and (count, k), as for
-        `DifferentiableFleet.rollout`. It returns a tensor of float64 with theta [rad] and omega [rad/s] after
-        each step, shape (count, steps, 2).
-
-    Raises
-    ------
-    ImportError
-        PyTorch is not installed.
-
-    Notes
-    -----
-    The fleet computes on the processor, in float64; tensors of other types and devices are copied. Where no
-    derivative exists, the derivative of one side comes out, as `DifferentiableFleet` says.
+    The function is `run(start, u, p)` with tensors of the shapes (count, 2), (count, steps, n) and (count,
+    k), as for `DifferentiableFleet.rollout`. It returns a tensor of float64 with theta [rad] and omega
+    [rad/s] after each step, shape (count, steps, 2). `fleet`: stays open as long as the function is used.
+    ImportError: PyTorch is not installed. The fleet computes on the processor, in float64; tensors of other
+    types and devices are copied. Where no derivative exists, the derivative of one side comes out, as
+    `DifferentiableFleet` says.
     """
     try:
         import torch

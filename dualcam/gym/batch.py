@@ -7,10 +7,9 @@ from typing import NamedTuple, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from dualcam.common.arrays import real_array
+from dualcam.common.arrays import Array, real_array
 from dualcam.errors import FleetError, TaskError
 from dualcam.fleet import Fleet
-from dualcam.fmi.reals import Array
 from dualcam.gym.task import Motion, Scene, Task
 from dualcam.systems.blocks.axis import angle_amid
 from dualcam.systems.blocks.current_loop import CONTROL_PERIOD
@@ -24,22 +23,15 @@ class Outcome(NamedTuple):
 
     Parameters
     ----------
-    reward : ndarray
-        Minus the cost of the step [J].
-    error : ndarray
-        Wanted minus actual angle at the end of the step [rad].
-    squared_error : ndarray
-        Integral of the squared error over the step [rad2.s].
-    energy_drawn : ndarray
-        Energy from the supply, summed over the control periods in which the motor draws [J].
-    energy_returned : ndarray
+    reward : Minus the cost of the step [J].
+    error : Wanted minus actual angle at the end of the step [rad].
+    squared_error : Integral of the squared error over the step [rad2.s].
+    energy_drawn : Energy from the supply, summed over the control periods in which the motor draws [J].
+    energy_returned
         Energy to the supply, summed over the other control periods [J]. The reward does not count it.
-    motor_heat : ndarray
-        Heat in the motor's winding [J].
-    impact : ndarray
-        Heat at the end stops [J].
-    is_over : ndarray of bool
-        Whether the task has come to its own end.
+    motor_heat : Heat in the motor's winding [J].
+    impact : Heat at the end stops [J].
+    is_over : Whether the task has come to its own end.
     """
 
     reward: Array
@@ -60,21 +52,15 @@ class Batch:
 
     Parameters
     ----------
-    task : Task
-        The task.
-    count : int
-        Number of instances, > 0.
-    threads : int
-        Threads of the fleet, 1 to 256.
+    task : The task.
+    count : Number of instances, > 0.
+    threads : Threads of the fleet, 1 to 256.
 
     Attributes
     ----------
-    fleet : Fleet
-        The FMU's instances.
-    scene : dict of str to ndarray, shape (count,) each
-        What the present episodes differ in.
-    step_size : float
-        Length of a step [s].
+    fleet : The FMU's instances.
+    scene : What the present episodes differ in, shape (count,) each.
+    step_size : Length of a step [s].
 
     Examples
     --------
@@ -111,25 +97,11 @@ class Batch:
         self.fleet.close()
 
     def reset(self, numbers: ArrayLike, chosen: ArrayLike | None = None) -> Array:
-        """Begin new episodes.
+        """Begin new episodes. Returns the observations of all instances, shape (count, entries).
 
-        Parameters
-        ----------
-        numbers : array_like, shape (count, task.draws)
-            Random numbers in [0, 1): `numpy.random.default_rng(1).random((count, task.draws))`. Only the
-            rows of the chosen instances count.
-        chosen : array_like of bool, shape (count,), optional
-            The instances that begin anew. Default: all.
-
-        Returns
-        -------
-        ndarray, shape (count, entries)
-            Observations of all instances.
-
-        Raises
-        ------
-        TaskError
-            A wrong argument: no instance begins anew.
+        `numbers`: random numbers in [0, 1), shape (count, task.draws), of which only the rows of the chosen
+        instances count. `chosen`: the instances that begin anew, shape (count,). Default: all. TaskError: a
+        wrong argument: no instance begins anew.
         """
         given = real_array(numbers, "numbers", TaskError)
         if given.shape != (self.count, self.task.draws):
@@ -170,24 +142,12 @@ class Batch:
         self.motors.stop(which)
 
     def step(self, torque: ArrayLike) -> tuple[Array, Outcome]:
-        """One step of all instances.
+        """One step of all instances. Returns observations, shape (count, entries), and the Outcome.
 
-        Parameters
-        ----------
-        torque : array_like, shape (count,)
-            Torque asked of each motor, constant over the step [N.m]. The motor's peak torque limits it.
-
-        Returns
-        -------
-        tuple
-            Observations, shape (count, entries), and the Outcome.
-
-        Raises
-        ------
-        TaskError
-            Before the first reset, a wrong shape, or a torque that is not finite: no instance made the step.
-        FleetError
-            The FMU refuses the step of an instance. All instances must then be reset.
+        `torque` asked of each motor, constant over the step [N.m], shape (count,). The motor's peak torque
+        limits it. TaskError: before the first reset, a wrong shape, or a torque that is not finite: no
+        instance made the step. FleetError: the FMU refuses the step of an instance. All instances must then
+        be reset.
         """
         wanted = self._checked(torque)
         size = CONTROL_PERIOD

@@ -8,13 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from dualcam.fmi.reals import Array
+from dualcam.common.arrays import Array
 from dualcam.gym.task import (
-    Motion,
+    MoveTask,
     Quantity,
     Range,
     Scene,
-    Task,
     check_range,
     highest_speed,
     spread,
@@ -32,19 +31,16 @@ STEEPEST = 0.3  # rad, of a slope
 
 
 @dataclass(frozen=True)
-class CarDoorTask(Task):
+class CarDoorTask(MoveTask):
     """Move the door from a random angle to another one and let it stay there. Its mass, the friction and the
     slope on which the car is parked are unknown.
 
     Parameters
     ----------
-    energy_weight, error_weight, impact_weight : float
-        As in `Task`.
-    mass : tuple of float
-        Least and largest mass of the door [kg].
-    friction : tuple of float
-        Least and largest Coulomb coefficient of both contacts [1].
-    pitch, roll : tuple of float
+    energy_weight, error_weight, impact_weight : As in `Task`.
+    mass : Least and largest mass of the door [kg].
+    friction : Least and largest Coulomb coefficient of both contacts [1].
+    pitch, roll
         Least and largest slope along and across the car [rad]; > 0 lifts the nose, or the door's side.
     """
 
@@ -68,7 +64,6 @@ class CarDoorTask(Task):
 
     @property
     def observations(self) -> tuple[Quantity, ...]:
-        """The entries of an observation: angle, speed, target, torque of the motor."""
         cam = car_door.design().cam.with_friction_scaled(MOST_FRICTION / car_door.FRICTION)
         held = car_door.RATIO * max(abs(edge) for edge in cam.band(car_door.RATIO * car_door.OPEN))
         weight = MOST_MASS * car_door.ARM * 9.81
@@ -82,11 +77,10 @@ class CarDoorTask(Task):
         )
 
     def parameters(self) -> dict[str, float | int]:
-        """Start values of the FMU that are the same in all episodes, by name, in SI units."""
         return dict(car_door.plant_parameters(car_door.design()))
 
     def draw(self, numbers: Array) -> Scene:
-        """Begin episodes, as `Task.draw`: mass [kg], friction [1], slopes, start and target [rad], and the
+        """Mass [kg], friction [1], slopes, start and target [rad], and the
         equivalent pendulum of the weight: moment [kg.m], lean [rad] and gravity [m/s2]."""
         ranges = (self.mass, self.friction, self.pitch, self.roll, ENDS, ENDS)
         scene = {name: spread(numbers[:, i], ranges[i]) for i, name in enumerate(SCENE)}
@@ -97,7 +91,6 @@ class CarDoorTask(Task):
         return scene
 
     def start_values(self, scene: Scene) -> dict[str, Array]:
-        """Inertia and friction of the drawn scene, as `Task.start_values`."""
         return {
             "inertia.shaft": inertia_of(scene["mass"]) / car_door.RATIO**2,
             "cam1.friction": scene["friction"],
@@ -105,29 +98,9 @@ class CarDoorTask(Task):
         }
 
     def load_torque(self, scene: Scene, angle: Array, period: NDArray[np.int64]) -> Array:
-        """The weight of the door, as `Task.load_torque`."""
         return GravityLoad(scene["moment"], scene["lean"]).torque(angle)
-
-    def wanted(self, scene: Scene, period: NDArray[np.int64]) -> Array:
-        """The target, as `Task.wanted`."""
-        return scene["target"]
-
-    def observe(self, scene: Scene, motion: Motion) -> Array:
-        """Angle, speed, target and torque of the motor, as `Task.observe`."""
-        return np.column_stack([motion.angle, motion.speed, scene["target"], motion.torque])
 
 
 def inertia_of(mass: Array) -> Array:
-    """The inertia about the hinge of a door that has the shape of the known one.
-
-    Parameters
-    ----------
-    mass : ndarray
-        Mass of the door [kg].
-
-    Returns
-    -------
-    ndarray
-        Inertia with the rotor's [kg.m2].
-    """
+    """The inertia about the hinge [kg.m2], with the rotor's, of a door of a `mass` [kg]."""
     return mass / car_door.MASS * car_door.DOOR_INERTIA + car_door.MOTOR.inertia

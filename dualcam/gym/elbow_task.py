@@ -7,13 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from dualcam.fmi.reals import Array
+from dualcam.common.arrays import Array
 from dualcam.gym.task import (
-    Motion,
+    MoveTask,
     Quantity,
     Range,
     Scene,
-    Task,
     check_range,
     highest_speed,
     spread,
@@ -30,17 +29,11 @@ MOST_FRICTION = 0.3
 
 
 @dataclass(frozen=True)
-class ElbowTask(Task):
+class ElbowTask(MoveTask):
     """Move the arm from a random angle to another one and hold it there. Payload and friction are unknown.
 
-    Parameters
-    ----------
-    energy_weight, error_weight, impact_weight : float
-        As in `Task`.
-    payload : tuple of float
-        Least and largest payload [kg].
-    friction : tuple of float
-        Least and largest Coulomb coefficient of both contacts [1].
+    `energy_weight`, `error_weight`, `impact_weight`: as in `Task`. `payload`: least and largest payload [kg].
+    `friction`: least and largest Coulomb coefficient of both contacts [1].
     """
 
     payload: Range = (0.5, 2.5)
@@ -59,7 +52,6 @@ class ElbowTask(Task):
 
     @property
     def observations(self) -> tuple[Quantity, ...]:
-        """The entries of an observation: angle, speed, target, torque of the motor."""
         cam = elbow.design_cam().with_friction_scaled(MOST_FRICTION / elbow.HELIX.friction[0])
         torque = self.motor.peak_torque + elbow.horizontal_torque(MOST_PAYLOAD) + cam.band(elbow.RANGE)[1]
         speed = highest_speed(torque, elbow.RANGE, elbow.inertia(0.0))
@@ -71,16 +63,14 @@ class ElbowTask(Task):
         )
 
     def parameters(self) -> dict[str, float | int]:
-        """Start values of the FMU that are the same in all episodes, by name, in SI units."""
         return elbow.plant_parameters(elbow.design_cam(), elbow.DESIGN_PAYLOAD)
 
     def draw(self, numbers: Array) -> Scene:
-        """Begin episodes, as `Task.draw`: payload [kg], friction [1], start and target [rad]."""
+        """Payload [kg], friction [1], start and target [rad]."""
         ranges = (self.payload, self.friction, ENDS, ENDS)
         return {name: spread(numbers[:, i], ranges[i]) for i, name in enumerate(SCENE)}
 
     def start_values(self, scene: Scene) -> dict[str, Array]:
-        """Inertia and friction of the drawn scene, as `Task.start_values`."""
         return {
             "inertia.shaft": elbow.inertia(scene["payload"]),
             "cam1.friction": scene["friction"],
@@ -88,13 +78,4 @@ class ElbowTask(Task):
         }
 
     def load_torque(self, scene: Scene, angle: Array, period: NDArray[np.int64]) -> Array:
-        """The weight of arm and payload, as `Task.load_torque`."""
         return elbow.weight(scene["payload"]).torque(angle)
-
-    def wanted(self, scene: Scene, period: NDArray[np.int64]) -> Array:
-        """The target, as `Task.wanted`."""
-        return scene["target"]
-
-    def observe(self, scene: Scene, motion: Motion) -> Array:
-        """Angle, speed, target and torque of the motor, as `Task.observe`."""
-        return np.column_stack([motion.angle, motion.speed, scene["target"], motion.torque])

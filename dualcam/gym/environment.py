@@ -8,9 +8,8 @@ import gymnasium
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from dualcam.common.arrays import real_array
+from dualcam.common.arrays import Array, real_array
 from dualcam.errors import TaskError
-from dualcam.fmi.reals import Array
 from dualcam.gym.batch import TERMS, Batch, Outcome
 from dualcam.gym.car_door_task import CarDoorTask
 from dualcam.gym.elbow_task import ElbowTask
@@ -19,54 +18,19 @@ from dualcam.gym.task import Range, Task
 
 
 def observation_space(task: Task) -> gymnasium.Space[Array]:
-    """The space of a task's observations.
-
-    Parameters
-    ----------
-    task : Task
-        The task.
-
-    Returns
-    -------
-    gymnasium.spaces.Box, shape (entries,)
-        In the units of `task.observations`.
-    """
+    """The space of a `task`'s observations, in the units of `task.observations`, shape (entries,)."""
     low = np.array([quantity.low for quantity in task.observations])
     high = np.array([quantity.high for quantity in task.observations])
     return gymnasium.spaces.Box(low, high, dtype=np.float64)
 
 
 def action_space() -> gymnasium.Space[Array]:
-    """The space of all tasks' actions: the torque asked of the motor over its peak torque.
-
-    Returns
-    -------
-    gymnasium.spaces.Box, shape (1,)
-        From -1 to 1.
-    """
+    """The space of all tasks' actions: the torque asked of the motor over its peak torque, shape (1,)."""
     return gymnasium.spaces.Box(-1.0, 1.0, (1,), dtype=np.float64)
 
 
 def checked_actions(actions: ArrayLike, shape: tuple[int, ...]) -> Array:
-    """Actions as an array, cut at -1 and 1.
-
-    Parameters
-    ----------
-    actions : array_like
-        The actions.
-    shape : tuple of int
-        The shape that they must have.
-
-    Returns
-    -------
-    ndarray of float64
-        The actions.
-
-    Raises
-    ------
-    TaskError
-        A wrong shape or type, or a value that is not finite.
-    """
+    """Actions as an array of that shape, cut at -1 and 1, or a TaskError."""
     given = real_array(actions, "action", TaskError, shape)
     if not np.isfinite(given).all():
         place = tuple(int(i) for i in np.argwhere(~np.isfinite(given))[0])
@@ -75,18 +39,7 @@ def checked_actions(actions: ArrayLike, shape: tuple[int, ...]) -> Array:
 
 
 def terms_of(outcome: Outcome) -> dict[str, Array]:
-    """The terms of the reward, for the infos of a step.
-
-    Parameters
-    ----------
-    outcome : Outcome
-        From `Batch.step`.
-
-    Returns
-    -------
-    dict of str to ndarray, shape (count,) each
-        By name.
-    """
+    """The terms of the reward of an `outcome` by name, shape (count,) each, for the infos of a step."""
     return {name: getattr(outcome, name) for name in TERMS}
 
 
@@ -95,17 +48,13 @@ class TaskEnv(gymnasium.Env[NDArray[np.float64], NDArray[np.float64]]):
 
     Parameters
     ----------
-    render_mode : None
-        There is no rendering.
-    **options : float or tuple of float
-        Weights and ranges of the task.
+    render_mode : There is no rendering.
+    **options : Weights and ranges of the task.
 
     Attributes
     ----------
-    task : Task
-        The task.
-    batch : Batch
-        The task's only instance.
+    task : The task.
+    batch : The task's only instance.
     """
 
     metadata: ClassVar[dict[str, Any]] = {"render_modes": []}  # type: ignore[misc]
@@ -121,41 +70,19 @@ class TaskEnv(gymnasium.Env[NDArray[np.float64], NDArray[np.float64]]):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Array, dict[str, Any]]:
-        """Begin an episode.
+        """Begin an episode. Returns observation, shape (entries,), and loads and frictions by name.
 
-        Parameters
-        ----------
-        seed : int, optional
-            Seed of the random loads. Default: the next ones of the sequence.
-        options : dict, optional
-            Not used.
-
-        Returns
-        -------
-        tuple
-            Observation, shape (entries,), and loads and frictions of the episode by name.
+        `seed` of the random loads. Default: the next ones of the sequence. `options`: not used.
         """
         super().reset(seed=seed)
         seen = self.batch.reset(self.np_random.random((1, self.task.draws)))
         return seen[0], {name: float(self.batch.scene[name][0]) for name in self.task.told}
 
     def step(self, action: ArrayLike) -> tuple[Array, float, bool, bool, dict[str, Any]]:
-        """One step.
+        """One step. Returns observation, reward, terminated, truncated, and the terms of the reward by name.
 
-        Parameters
-        ----------
-        action : array_like, shape (1,)
-            Torque asked of the motor over its peak torque [1]; larger ones than 1 are cut.
-
-        Returns
-        -------
-        tuple
-            Observation, reward, terminated, truncated, and the terms of the reward by name.
-
-        Raises
-        ------
-        TaskError
-            A wrong shape, or an action that is not finite.
+        `action`: torque asked of the motor over its peak torque [1], shape (1,); larger ones than 1 are cut.
+        TaskError: a wrong shape, or an action that is not finite.
         """
         torque = self.task.motor.peak_torque * checked_actions(action, (1,))
         seen, outcome = self.batch.step(torque)
@@ -168,42 +95,18 @@ class TaskEnv(gymnasium.Env[NDArray[np.float64], NDArray[np.float64]]):
 
 
 class ElbowEnv(TaskEnv):
-    """The task `ElbowTask`, "dualcam/Elbow-v0".
-
-    Parameters
-    ----------
-    render_mode : None
-        There is no rendering.
-    **options : float or tuple of float
-        Weights and ranges of the task.
-    """
+    """The task `ElbowTask`, "dualcam/Elbow-v0", with the arguments of `TaskEnv`."""
 
     task_type = ElbowTask
 
 
 class KneeEnv(TaskEnv):
-    """The task `KneeTask`, "dualcam/Knee-v0".
-
-    Parameters
-    ----------
-    render_mode : None
-        There is no rendering.
-    **options : float or tuple of float
-        Weights and ranges of the task.
-    """
+    """The task `KneeTask`, "dualcam/Knee-v0", with the arguments of `TaskEnv`."""
 
     task_type = KneeTask
 
 
 class CarDoorEnv(TaskEnv):
-    """The task `CarDoorTask`, "dualcam/CarDoor-v0".
-
-    Parameters
-    ----------
-    render_mode : None
-        There is no rendering.
-    **options : float or tuple of float
-        Weights and ranges of the task.
-    """
+    """The task `CarDoorTask`, "dualcam/CarDoor-v0", with the arguments of `TaskEnv`."""
 
     task_type = CarDoorTask

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from dualcam.fmi.reals import Array
+from dualcam.common.arrays import Array
 from dualcam.gym.task import (
     Motion,
     Quantity,
@@ -36,38 +36,20 @@ MOST_FRICTION = 0.2
 
 
 class Curves(NamedTuple):
-    """Measured swings at all cadences, each of shape (CADENCES, most periods + 1).
+    """Measured swings at all cadences, each of shape (CADENCES, most periods + 1)."""
 
-    Parameters
-    ----------
-    angle, speed : ndarray
-        The knee at the ends of the control periods [rad, rad/s].
-    tilt, turning : ndarray
-        The thigh's inclination in the middle of the control periods [rad] and its second derivative [rad/s2].
-    ahead, above : ndarray
-        Acceleration of the knee's axis in the middle of the control periods [m/s2].
-    length : ndarray of int, shape (CADENCES,)
-        Control periods of the swing.
-    """
-
-    angle: Array
-    speed: Array
-    tilt: Array
-    turning: Array
-    ahead: Array
-    above: Array
-    length: NDArray[np.int64]
+    angle: Array  # of the knee at the ends of the control periods [rad]
+    speed: Array  # likewise [rad/s]
+    tilt: Array  # the thigh's inclination in the middle of the control periods [rad]
+    turning: Array  # its second derivative [rad/s2]
+    ahead: Array  # acceleration of the knee's axis in the middle of the control periods, forward [m/s2]
+    above: Array  # likewise, upward
+    length: NDArray[np.int64]  # control periods of the swing, shape (CADENCES,)
 
 
 @cache
 def curves() -> Curves:
-    """The measured swings, sampled.
-
-    Returns
-    -------
-    Curves
-        At all cadences.
-    """
+    """The measured swings, sampled, at all cadences."""
     fine = [measured_swing(WALKER, cadence, 0.0, 0.5 * CONTROL_PERIOD) for cadence in cadences()]
     coarse = [(len(swing.time) - 1) // 2 for swing in fine]
     most = max(coarse) + 1
@@ -88,13 +70,7 @@ def curves() -> Curves:
 
 
 def cadences() -> list[float]:
-    """The cadences that are drawn.
-
-    Returns
-    -------
-    list of float
-        Shares of the self-selected cadence [1].
-    """
+    """The cadences that are drawn: shares of the self-selected cadence [1]."""
     return np.linspace(SLOWEST, FASTEST, CADENCES).round(2).tolist()
 
 
@@ -105,14 +81,10 @@ class KneeTask(Task):
 
     Parameters
     ----------
-    energy_weight, error_weight, impact_weight : float
-        As in `Task`; the error counts ten times as much.
-    shank : tuple of float
-        Least and largest mass and inertia of shank and foot over those of the walker [1].
-    friction : tuple of float
-        Least and largest Coulomb coefficient of both contacts [1].
-    cadence : tuple of float
-        Least and largest cadence over the self-selected one [1], drawn in steps of 1 %.
+    energy_weight, error_weight, impact_weight : As in `Task`; the error counts ten times as much.
+    shank : Least and largest mass and inertia of shank and foot over those of the walker [1].
+    friction : Least and largest Coulomb coefficient of both contacts [1].
+    cadence : Least and largest cadence over the self-selected one [1], drawn in steps of 1 %.
     """
 
     error_weight: float = 1000.0
@@ -134,8 +106,6 @@ class KneeTask(Task):
 
     @property
     def observations(self) -> tuple[Quantity, ...]:
-        """The entries of an observation: angle, speed, planned angle and speed, share of the swing that is
-        over, cadence, torque of the motor."""
         inertia = 0.5 * WALKER.pendulum.inertia
         cam = replace(design_cam(), friction=MOST_FRICTION)
         held = float(np.max(np.abs(cam.torque(np.linspace(0.0, knee.RANGE, 100), np.ones(100)))))
@@ -153,12 +123,10 @@ class KneeTask(Task):
         )
 
     def parameters(self) -> dict[str, float | int]:
-        """Start values of the FMU that are the same in all episodes, by name, in SI units."""
         return dict(knee.plant_parameters(design_cam().parameters(), WALKER))
 
     def draw(self, numbers: Array) -> Scene:
-        """Begin episodes, as `Task.draw`: shank, friction and cadence [1], number of the cadence, angle [rad]
-        and speed [rad/s] at toe-off."""
+        """Shank, friction and cadence [1], its number, state at toe-off."""
         shank, friction = spread(numbers[:, 0], self.shank), spread(numbers[:, 1], self.friction)
         drawn = spread(numbers[:, 2], self.cadence)
         row = np.rint((drawn - SLOWEST) / (FASTEST - SLOWEST) * (CADENCES - 1)).astype(int)
@@ -173,7 +141,6 @@ class KneeTask(Task):
         }
 
     def start_values(self, scene: Scene) -> dict[str, Array]:
-        """Inertia and friction of the drawn scene, as `Task.start_values`."""
         return {
             "inertia.shaft": scene["shank"] * WALKER.pendulum.inertia + self.motor.inertia,
             "cam1.friction": scene["friction"],
@@ -181,7 +148,6 @@ class KneeTask(Task):
         }
 
     def load_torque(self, scene: Scene, angle: Array, period: NDArray[np.int64]) -> Array:
-        """The drive of the thigh's motion and of gravity, as `Task.load_torque`."""
         planned, body = curves(), WALKER.pendulum
         at = (scene["row"], np.minimum(period, planned.angle.shape[1] - 1))
         pendulum = replace(body, inertia=scene["shank"] * body.inertia, moment=scene["shank"] * body.moment)
@@ -191,53 +157,30 @@ class KneeTask(Task):
         )
 
     def wanted(self, scene: Scene, period: NDArray[np.int64]) -> Array:
-        """The measured angle, as `Task.wanted`."""
         planned = curves()
         return planned.angle[scene["row"], np.minimum(period, planned.angle.shape[1] - 1)]
 
     def observe(self, scene: Scene, motion: Motion) -> Array:
-        """State, plan, phase, cadence and torque of the motor, as `Task.observe`."""
         planned = curves()
         at = (scene["row"], np.minimum(motion.period, planned.angle.shape[1] - 1))
         phase = np.minimum(motion.period / planned.length[scene["row"]], 1.0)
-        return np.column_stack(
-            [
-                motion.angle,
-                motion.speed,
-                planned.angle[at],
-                planned.speed[at],
-                phase,
-                scene["cadence"],
-                motion.torque,
-            ]
-        )
+        plan = (planned.angle[at], planned.speed[at], phase, scene["cadence"])
+        return np.column_stack([motion.angle, motion.speed, *plan, motion.torque])
 
     def is_over(self, scene: Scene, period: NDArray[np.int64]) -> NDArray[np.bool_]:
-        """Whether the next step would pass heel strike, as `Task.is_over`."""
+        """Whether the next step would pass heel strike."""
         return period + self.periods > curves().length[scene["row"]]
 
 
 @cache
 def design_cam() -> EllipticalCam:
-    """The knee's cam, designed once.
-
-    Returns
-    -------
-    EllipticalCam
-        That of `dualcam.systems.machines.knee.design_cam`.
-    """
+    """The knee's cam, designed once: that of `dualcam.systems.machines.knee.design_cam`."""
     return knee.design_cam()
 
 
 @cache
 def most_drive() -> float:
-    """A bound of the torque of gravity and of the thigh's motion.
-
-    Returns
-    -------
-    float
-        Torque [N.m], larger than all at the heaviest shank.
-    """
+    """A bound of the torque of gravity and of the thigh's motion [N.m] at the heaviest shank."""
     planned, body = curves(), WALKER.pendulum
     turning, ahead, above = (
         float(np.max(np.abs(c))) for c in (planned.turning, planned.ahead, planned.above)
@@ -247,11 +190,5 @@ def most_drive() -> float:
 
 @cache
 def extension() -> float:
-    """The walker's knee angle at full extension.
-
-    Returns
-    -------
-    float
-        Angle [rad].
-    """
+    """The walker's knee angle at full extension [rad]."""
     return measured_swing(WALKER, 1.0, 0.0).extension

@@ -13,8 +13,8 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from dualcam.common.arrays import Array
 from dualcam.errors import TaskError
-from dualcam.fmi.reals import Array
 from dualcam.systems.blocks.axis import CamGear
 from dualcam.systems.blocks.motor import Motor
 
@@ -26,14 +26,8 @@ Range = tuple[float, float]
 class Quantity(NamedTuple):
     """One entry of an observation.
 
-    Parameters
-    ----------
-    name : str
-        Name of the quantity.
-    unit : str
-        Its unit; 1 where there is none.
-    low, high : float
-        Bounds of its values, in the unit.
+    `name` of the quantity. `unit`: its unit; 1 where there is none. `low`, `high`: bounds of its values, in
+    the unit.
     """
 
     name: str
@@ -43,60 +37,26 @@ class Quantity(NamedTuple):
 
 
 def torque_entry(motor: Motor) -> Quantity:
-    """The motor's torque as an entry of an observation.
-
-    Parameters
-    ----------
-    motor : Motor
-        The motor.
-
-    Returns
-    -------
-    Quantity
-        The peak torque and OVERSHOOT bound its values.
-
-    Examples
-    --------
-    >>> from dualcam.gym.task import torque_entry
-    >>> from dualcam.systems.blocks.motor import AK80_6
-    >>> torque_entry(AK80_6).name, torque_entry(AK80_6).unit
-    ('torque', 'N.m')
-    """
+    """The torque of a `motor` as an entry of an observation, bounded by the peak torque and OVERSHOOT."""
     bound = OVERSHOOT * motor.peak_torque
     return Quantity("torque", "N.m", -bound, bound)
 
 
 class Motion(NamedTuple):
-    """The axis and its motor at the end of a step, arrays of shape (count,).
+    """The axis and its motor at the end of a step, arrays of shape (count,)."""
 
-    Parameters
-    ----------
-    angle, speed : ndarray
-        State of the axis [rad, rad/s].
-    torque : ndarray
-        Torque of the motor, mean of the last control period [N.m].
-    period : ndarray of int
-        Control periods since the begin of the episode.
-    """
-
-    angle: Array
-    speed: Array
-    torque: Array
-    period: NDArray[np.int64]
+    angle: Array  # of the axis [rad]
+    speed: Array  # of the axis [rad/s]
+    torque: Array  # torque of the motor, mean of the last control period [N.m]
+    period: NDArray[np.int64]  # control periods since the begin of the episode
 
 
 @dataclass(frozen=True)
 class Task(ABC):
     """A mechanism with a motor, its random loads, and the cost of an episode.
 
-    Parameters
-    ----------
-    energy_weight : float
-        Cost of energy drawn from the supply [1].
-    error_weight : float
-        Cost of the squared error of the angle over time [J/(rad2.s)].
-    impact_weight : float
-        Cost of heat at the end stops [1].
+    `energy_weight`: cost of energy drawn from the supply [1]. `error_weight`: cost of the squared error of
+    the angle over time [J/(rad2.s)]. `impact_weight`: cost of heat at the end stops [1].
     """
 
     energy_weight: float = 1.0
@@ -126,154 +86,61 @@ class Task(ABC):
 
     @abstractmethod
     def draw(self, numbers: Array) -> Scene:
-        """Begin episodes.
+        """Begin episodes. Returns what they differ in by name, shape (count,); "start" is the axis' angle
+        [rad].
 
-        Parameters
-        ----------
-        numbers : ndarray, shape (count, draws)
-            Random numbers, uniform over [0, 1).
-
-        Returns
-        -------
-        dict of str to ndarray, shape (count,) each
-            What the episodes differ in, by name. "start" is the angle of the axis [rad].
+        `numbers`: random numbers, uniform over [0, 1), shape (count, draws).
         """
 
     @abstractmethod
     def start_values(self, scene: Scene) -> dict[str, Array]:
-        """Start values of the FMU that follow from the drawn scene, without the angle.
-
-        Parameters
-        ----------
-        scene : dict of str to ndarray
-            From `draw`.
-
-        Returns
-        -------
-        dict of str to ndarray, shape (count,) each
-            By name, in SI units.
-        """
+        """Start values of the FMU by name, shape (count,), that follow from the `scene`, but the angle."""
 
     @abstractmethod
     def load_torque(self, scene: Scene, angle: Array, period: NDArray[np.int64]) -> Array:
-        """The torque of the load on the axis.
+        """The torque of the load on the axis [N.m], + along the angle, shape (count,), in a `scene` of
+        `draw`.
 
-        Parameters
-        ----------
-        scene : dict of str to ndarray
-            From `draw`.
-        angle : ndarray, shape (count,)
-            Angle of the axis in the middle of the control period [rad].
-        period : ndarray of int, shape (count,)
-            Number of the control period, from 0.
-
-        Returns
-        -------
-        ndarray, shape (count,)
-            Torque [N.m], + in the direction of the angle.
+        `angle` of the axis in the middle of the control period [rad], shape (count,). `period`: number of the
+        control period, from 0, shape (count,).
         """
 
     @abstractmethod
     def wanted(self, scene: Scene, period: NDArray[np.int64]) -> Array:
-        """The angle that the axis should have.
+        """The angle that the axis should have [rad], shape (count,), in a `scene` of `draw`.
 
-        Parameters
-        ----------
-        scene : dict of str to ndarray
-            From `draw`.
-        period : ndarray of int, shape (count,)
-            Control periods since the begin of the episode.
-
-        Returns
-        -------
-        ndarray, shape (count,)
-            Angle [rad].
+        `period`: control periods since the begin of the episode, shape (count,).
         """
 
     @abstractmethod
     def observe(self, scene: Scene, motion: Motion) -> Array:
-        """What a policy sees.
-
-        Parameters
-        ----------
-        scene : dict of str to ndarray
-            From `draw`.
-        motion : Motion
-            The axis and its motor.
-
-        Returns
-        -------
-        ndarray, shape (count, entries)
-            In the order of `observations`.
-        """
+        """What a policy sees of `scene` and `motion`: the `observations` in order, shape (count, entries)."""
 
     def is_over(self, scene: Scene, period: NDArray[np.int64]) -> NDArray[np.bool_]:
-        """Whether the task has come to its own end. Default: never.
+        """Whether the task has come to its own end in a `scene` of `draw`, shape (count,). Default: never.
 
-        Parameters
-        ----------
-        scene : dict of str to ndarray
-            From `draw`.
-        period : ndarray of int, shape (count,)
-            Control periods since the begin of the episode.
-
-        Returns
-        -------
-        ndarray of bool, shape (count,)
-            Where the episode is over.
+        `period`: control periods since the begin of the episode, shape (count,).
         """
         return np.zeros(len(period), bool)
 
 
+class MoveTask(Task):
+    """A task in which the axis moves from a drawn angle to the drawn angle "target", and rests there."""
+
+    def wanted(self, scene: Scene, period: NDArray[np.int64]) -> Array:
+        return scene["target"]
+
+    def observe(self, scene: Scene, motion: Motion) -> Array:
+        return np.column_stack([motion.angle, motion.speed, scene["target"], motion.torque])
+
+
 def spread(number: Array, over: Range) -> Array:
-    """A random number from [0, 1) over a range.
-
-    Parameters
-    ----------
-    number : ndarray
-        Random numbers, uniform over [0, 1).
-    over : tuple of float
-        Lowest and highest value.
-
-    Returns
-    -------
-    ndarray
-        Uniform over the range.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from dualcam.gym.task import spread
-    >>> spread(np.array([0.0, 0.5]), (1.0, 2.0)).tolist()
-    [1.0, 1.5]
-    """
+    """A random number, uniform over a range, of a `number` from [0, 1)."""
     return over[0] + (over[1] - over[0]) * number
 
 
 def check_range(name: str, over: object, least: float, most: float, unit: str) -> None:
-    """Refuse what is no range of a random value.
-
-    Parameters
-    ----------
-    name : str
-        Name of the range, for the message.
-    over : object
-        The range: lowest and highest value.
-    least, most : float
-        What is allowed.
-    unit : str
-        The unit, for the message.
-
-    Raises
-    ------
-    TaskError
-        The range is refused.
-
-    Examples
-    --------
-    >>> from dualcam.gym.task import check_range
-    >>> check_range("payload", (0.5, 2.5), 0.0, 3.0, "kg")
-    """
+    """Refuse with a TaskError what is no range of a random value from `least` to `most`."""
     allowed = f"(low, high) with {least:g} <= low <= high <= {most:g} {unit}".rstrip()
     ends = list(over) if isinstance(over, tuple | list) else []
     are_numbers = all(isinstance(end, int | float) and not isinstance(end, bool) for end in ends)
@@ -282,26 +149,6 @@ def check_range(name: str, over: object, least: float, most: float, unit: str) -
 
 
 def highest_speed(torque: float, travel: float, inertia: float) -> float:
-    """A speed that an axis between two end stops cannot exceed.
-
-    Parameters
-    ----------
-    torque : float
-        Bound of the magnitude of all torques together [N.m].
-    travel : float
-        Distance between the stops [rad].
-    inertia : float
-        Least inertia [kg.m2].
-
-    Returns
-    -------
-    float
-        Speed [rad/s]: the axis turns back at zero speed, so that all energy comes from one way of `travel`.
-
-    Examples
-    --------
-    >>> from dualcam.gym.task import highest_speed
-    >>> highest_speed(torque=10.0, travel=0.2, inertia=1.0)
-    2.0
-    """
+    """A speed [rad/s] that an axis between two end stops cannot exceed: it turns back at zero speed, so all
+    energy comes from one way of `travel` [rad] under at most `torque` [N.m]."""
     return math.sqrt(2.0 * torque * travel / inertia)

@@ -12,9 +12,9 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import ArrayLike, NDArray
 
+from dualcam.common.arrays import Array
 from dualcam.errors import TaskError
 from dualcam.fleet.arguments import whole_number
-from dualcam.fmi.reals import Array
 from dualcam.gym.batch import Batch
 from dualcam.gym.car_door_task import CarDoorTask
 from dualcam.gym.elbow_task import ElbowTask
@@ -34,23 +34,16 @@ class TaskVectorEnv(VectorEnv[Array, Array, NDArray[Any]]):
 
     Parameters
     ----------
-    num_envs : int
-        Number of instances, > 0.
-    max_episode_steps : int, optional
-        Steps after which an episode is truncated. None: never.
-    autoreset_mode : AutoresetMode or str
-        When a new episode begins where one has ended: "NextStep", "SameStep" or "Disabled".
-    threads : int
-        Threads that share the instances, 1 to 256.
-    **options : float or tuple of float
-        Weights and ranges of the task.
+    num_envs : Number of instances, > 0.
+    max_episode_steps : Steps after which an episode is truncated. None: never.
+    autoreset_mode : When a new episode begins where one has ended: "NextStep", "SameStep" or "Disabled".
+    threads : Threads that share the instances, 1 to 256.
+    **options : Weights and ranges of the task.
 
     Attributes
     ----------
-    task : Task
-        The task.
-    batch : Batch
-        The instances.
+    task : The task.
+    batch : The instances.
     """
 
     task_type: ClassVar[type[Task]]
@@ -89,24 +82,12 @@ class TaskVectorEnv(VectorEnv[Array, Array, NDArray[Any]]):
         seed: int | Sequence[int | None] | None = None,
         options: dict[str, Any] | None = None,
     ) -> tuple[Array, Infos]:
-        """Begin episodes.
+        """Begin episodes. Returns observations, shape (num_envs, entries), and new loads and frictions by
+        name.
 
-        Parameters
-        ----------
-        seed : int or sequence of int, optional
-            Instance i gets the seed `seed` + i, or the i-th one. Default: each goes on with its own sequence.
-        options : dict, optional
-            "reset_mask", a bool array of shape (num_envs,): the instances that begin anew. Default: all.
-
-        Returns
-        -------
-        tuple
-            Observations, shape (num_envs, entries), and loads and frictions of the new episodes by name.
-
-        Raises
-        ------
-        TaskError
-            A wrong number of seeds, or a wrong mask.
+        `seed`: instance i gets the seed `seed` + i, or the i-th one. Default: each goes on with its own
+        sequence. `options`: "reset_mask", a bool array of shape (num_envs,): the instances that begin anew.
+        Default: all. TaskError: a wrong number of seeds, or a wrong mask.
         """
         chosen = self._chosen((options or {}).get("reset_mask"))
         self._seed(seed, chosen)
@@ -114,24 +95,12 @@ class TaskVectorEnv(VectorEnv[Array, Array, NDArray[Any]]):
         return seen, self._told(chosen)
 
     def step(self, actions: ArrayLike) -> tuple[Array, Array, Flags, Flags, Infos]:
-        """One step of all instances.
+        """One step of all instances. Returns observations, rewards, terminations, truncations, and infos: the
+        terms of the reward by name, and loads and frictions of episodes that have begun in this call.
 
-        Parameters
-        ----------
-        actions : array_like, shape (num_envs, 1)
-            Torque asked of each motor over its peak torque [1]; larger ones than 1 are cut.
-
-        Returns
-        -------
-        tuple
-            Observations, rewards, terminations, truncations, and infos: the terms of the reward by name, and
-            loads and frictions of episodes that have begun in this call.
-
-        Raises
-        ------
-        TaskError
-            A wrong shape, an action that is not finite, or an episode that has ended where `autoreset_mode`
-            is "Disabled": no instance made the step.
+        `actions`: torque asked of each motor over its peak torque [1], shape (num_envs, 1); larger ones than
+        1 are cut. TaskError: a wrong shape, an action that is not finite, or an episode that has ended where
+        `autoreset_mode` is "Disabled": no instance made the step.
         """
         torque = self.task.motor.peak_torque * checked_actions(actions, (self.num_envs, 1))[:, 0]
         begins = self._ended.copy()
@@ -160,13 +129,7 @@ class TaskVectorEnv(VectorEnv[Array, Array, NDArray[Any]]):
         return seen, rewards, terminated, truncated, infos
 
     def close_extras(self, **options: object) -> None:
-        """Free the FMUs.
-
-        Parameters
-        ----------
-        **options : object
-            Not used.
-        """
+        """Free the FMUs. `**options`: not used."""
         self.batch.close()
 
     # ---- episodes ----
@@ -213,20 +176,7 @@ class TaskVectorEnv(VectorEnv[Array, Array, NDArray[Any]]):
 
 
 def masked(values: Mapping[str, Array], chosen: Flags) -> Infos:
-    """Infos of some instances, as gymnasium's vector environments give them.
-
-    Parameters
-    ----------
-    values : mapping of str to ndarray, shape (count,) each
-        The infos.
-    chosen : ndarray of bool, shape (count,)
-        The instances.
-
-    Returns
-    -------
-    dict of str to ndarray
-        Each entry, 0 for other instances, and under "_" and its name the instances that have it.
-    """
+    """The infos of the chosen instances, 0 for the others; "_" and the name: who has it."""
     if not chosen.any():
         return {}
     infos: Infos = {}
@@ -236,22 +186,7 @@ def masked(values: Mapping[str, Array], chosen: Flags) -> Infos:
 
 
 def final_infos(seen: Array, infos: Infos, ended: Flags) -> Infos:
-    """The infos of a step after which ended episodes begin anew at once.
-
-    Parameters
-    ----------
-    seen : ndarray, shape (count, entries)
-        Observations at the end of the step.
-    infos : dict
-        Infos of the step.
-    ended : ndarray of bool, shape (count,)
-        Whose episodes ended.
-
-    Returns
-    -------
-    dict
-        With "final_obs" and "final_info" of these, the other entries of the others.
-    """
+    """Infos of a step after which `ended` episodes begin anew, with "final_obs" and "final_info"."""
     last = np.full(len(ended), None, dtype=object)
     for i in np.flatnonzero(ended):
         last[i] = seen[i].copy()
@@ -266,42 +201,18 @@ def final_infos(seen: Array, infos: Infos, ended: Flags) -> Infos:
 
 
 class ElbowVectorEnv(TaskVectorEnv):
-    """Many instances of the task `ElbowTask`, "dualcam/Elbow-v0".
-
-    Parameters
-    ----------
-    num_envs, max_episode_steps, autoreset_mode, threads
-        As in `TaskVectorEnv`.
-    **options : float or tuple of float
-        Weights and ranges of the task.
-    """
+    """Many instances of `ElbowTask`, "dualcam/Elbow-v0", with the arguments of `TaskVectorEnv`."""
 
     task_type = ElbowTask
 
 
 class KneeVectorEnv(TaskVectorEnv):
-    """Many instances of the task `KneeTask`, "dualcam/Knee-v0".
-
-    Parameters
-    ----------
-    num_envs, max_episode_steps, autoreset_mode, threads
-        As in `TaskVectorEnv`.
-    **options : float or tuple of float
-        Weights and ranges of the task.
-    """
+    """Many instances of `KneeTask`, "dualcam/Knee-v0", with the arguments of `TaskVectorEnv`."""
 
     task_type = KneeTask
 
 
 class CarDoorVectorEnv(TaskVectorEnv):
-    """Many instances of the task `CarDoorTask`, "dualcam/CarDoor-v0".
-
-    Parameters
-    ----------
-    num_envs, max_episode_steps, autoreset_mode, threads
-        As in `TaskVectorEnv`.
-    **options : float or tuple of float
-        Weights and ranges of the task.
-    """
+    """Many instances of `CarDoorTask`, "dualcam/CarDoor-v0", with the arguments of `TaskVectorEnv`."""
 
     task_type = CarDoorTask

@@ -7,15 +7,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from dualcam.common.arrays import Array
 from dualcam.errors import FmuError
 from dualcam.identification.least_squares import Solution
 from dualcam.identification.motion import DYNAMIC, MeasuredMotion
 from dualcam.identification.torque_model import TorqueModel
 from dualcam.identification.unknowns import CAMS, Unknown
-
-Array = NDArray[np.float64]
 
 OPEN = 1.0  # half of the 95 % interval along a direction, in sizes, from which the direction counts as open
 TAKES_PART = 0.1  # of the largest component of a direction
@@ -31,14 +29,8 @@ LOSSES = ("friction", *SPEED_TERMS)
 class Ambiguity:
     """Unknowns that can change together while the torque stays the same within its noise.
 
-    Attributes
-    ----------
-    names : tuple of str
-        The unknowns; one name: the recording says nothing about this unknown.
-    text : str
-        A sentence with an example in numbers.
-    advice : str
-        What would tell the unknowns apart.
+    `names`: the unknowns; one name: the recording says nothing about this unknown. `text`: a sentence with an
+    example in numbers. `advice`: what would tell the unknowns apart.
     """
 
     names: tuple[str, ...]
@@ -52,25 +44,7 @@ class Ambiguity:
 def ambiguities_of(
     solution: Solution, unknowns: Sequence[Unknown], motion: MeasuredMotion, span: float, speeds: Array
 ) -> list[Ambiguity]:
-    """Directions in the space of the unknowns that the data leave open.
-
-    Parameters
-    ----------
-    solution : Solution
-        Result, with the derivatives of the torque by the unknowns.
-    unknowns : sequence of Unknown
-        The unknowns.
-    motion : MeasuredMotion
-        For the advice.
-    span : float
-        Range of theta between the stops [rad].
-    speeds : ndarray
-        Sliding speeds of the samples that slip [m/s].
-
-    Returns
-    -------
-    list of Ambiguity
-    """
+    """Directions in the space of the unknowns that the data leave open."""
     names = [unknown.name for unknown in unknowns]
     solution = _in_present_sizes(solution)
     _, _, directions = np.linalg.svd(solution.jacobian, full_matrices=False)
@@ -90,23 +64,8 @@ def ambiguities_of(
 
 
 def exchangeable_cams(model: TorqueModel, solution: Solution, unknowns: Sequence[Unknown]) -> list[Ambiguity]:
-    """Pairs of values, one of each cam, that can be swapped without a change of the torque.
-
-    Derivatives do not show such a pair: the error has two equal minima, and each is narrow.
-
-    Parameters
-    ----------
-    model : TorqueModel
-        Torque as a function of the unknowns.
-    solution : Solution
-        Result of the fit.
-    unknowns : sequence of Unknown
-        The unknowns.
-
-    Returns
-    -------
-    list of Ambiguity
-    """
+    """Pairs of values, one of each cam, that can be swapped without a change of the torque. Derivatives do
+    not show such a pair: the error has two equal minima, and each is narrow."""
     names = [unknown.name for unknown in unknowns]
     pairs = [name.partition(".")[2] for name in names if name.startswith(f"{CAMS[0]}.")]
     pairs = [last for last in pairs if f"{CAMS[1]}.{last}" in names]

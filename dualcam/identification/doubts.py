@@ -7,7 +7,8 @@ import math
 import numpy as np
 
 from dualcam.common.unit_guards import torque_factor_warnings
-from dualcam.identification.result import OPEN, Fit, rms_of
+from dualcam.identification.motion import rms_of
+from dualcam.identification.result import OPEN, Fit
 from dualcam.identification.smoothing import NORMAL
 
 WELL = 1.2  # RMS of residuals over noise, up to which the model explains the recording

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from dualcam.common.arrays import Array
 from dualcam.design_file import DesignSource, as_design
 from dualcam.errors import FmuError, IdentificationError
 from dualcam.identification.ambiguity import Ambiguity, ambiguities_of, exchangeable_cams
@@ -23,8 +24,6 @@ from dualcam.identification.result import AT_LIMIT, KNOWN, OPEN, FittedParameter
 from dualcam.identification.smoothing import NARROWEST, noise_between, noise_of
 from dualcam.identification.torque_model import TorqueModel
 from dualcam.identification.unknowns import DEFAULT, Unknown, unknowns_of
-
-Array = NDArray[np.float64]
 
 MOST_SAMPLES = 20_000  # of the fit; of longer recordings every k-th sample counts
 LEAST_NOISE = 1e-6  # of the largest torque: least standard deviation of a recording without noise
@@ -49,35 +48,28 @@ def identify(
 
     Parameters
     ----------
-    recording : Recording, str or Path
-        Samples, or the path of a CSV file with a header such as `time_s,theta_deg,tau_Nm`.
-    design : DesignFile, str or Path
-        Grooves and all values that are not fitted; start values of the others.
-    fit : sequence of str
+    recording : Samples, or the path of a CSV file with a header such as `time_s,theta_deg,tau_Nm`.
+    design : Grooves and all values that are not fitted; start values of the others.
+    fit
         What is fitted: real parameters of the FMU such as `spring.preload` or `cam1.friction`; `friction`,
         `friction_peak` and the like for one value of both cams; `torque_offset` and `angle_offset` for the
         zero errors of the sensors.
     motion : {"auto", "quasi-static", "dynamic"}
         Whether the acceleration counts. auto: it does where it stands out of its noise.
-    window : float, optional
+    window
         Length of the window in which the angle is smoothed [s]. Default: that of the least error of
         prediction.
-    progress : function, optional
-        Called with the stage of the work, often.
+    progress : Called with the stage of the work, often.
 
     Returns
     -------
-    Identification
-        Values with 95 % intervals, what the data cannot tell apart, residuals, picture, report.
+    Values with 95 % intervals, what the data cannot tell apart, residuals, picture, report.
 
     Raises
     ------
-    IdentificationError
-        The recording or the names are refused.
-    DesignFileError
-        The design file is refused.
-    FmuError
-        The FMU refuses the design.
+    IdentificationError : The recording or the names are refused.
+    DesignFileError : The design file is refused.
+    FmuError : The FMU refuses the design.
 
     Examples
     --------
@@ -101,7 +93,7 @@ def identify(
         recording = read_recording(recording)
     design = as_design(design)
     unknowns = unknowns_of(design, fit)
-    tell = progress or _silent
+    tell = progress or (lambda stage: None)
     tell(f"{len(recording)} samples read, angle being smoothed")
     full = motion_of(recording, motion, window)
     _require_motion(full, len(unknowns))
@@ -140,10 +132,6 @@ def identify(
         missing=tuple(missing),
         levers=tuple(levers),
     )
-
-
-def _silent(stage: str) -> None:
-    """No report of the progress."""
 
 
 @contextmanager

@@ -19,29 +19,8 @@ if TYPE_CHECKING:
 
 
 def write_fitted(found: Fit, path: str | Path) -> Path:
-    """Write the design file of an identification with the fitted values.
-
-    Parameters
-    ----------
-    found : Fit
-        The result.
-    path : str or Path
-        The new file. Relative paths of groove tables count from its folder.
-
-    Returns
-    -------
-    Path
-        The written file.
-
-    Raises
-    ------
-    IdentificationError
-        The path is that of the design itself, the recording has another unit of time or the opposite sign of
-        the torque, `dualcam check` would refuse the fitted values, or the lines of the design file cannot be
-        changed one by one.
-    DesignFileError
-        The new file would be refused, for example because a groove table is not in its folder.
-    """
+    """Write the design file with the fitted values to `path`; relative paths of groove tables count from its
+    folder. IdentificationError or DesignFileError for what must not be written."""
     path = path_of(path, "the fitted design")
     source = found.design.path
     if path.resolve() == source.resolve():

@@ -19,34 +19,21 @@ class Identification(Fit):
 
     Attributes
     ----------
-    design : DesignFile
-        The design of the start values.
-    recording : Recording
-        All samples.
-    motion : MeasuredMotion
-        Motion at the samples that count.
-    time, measured : ndarray, shape (n,)
-        Time [s] and measured torque [N.m] of these samples.
-    low, high : ndarray, shape (n,)
-        Limits of the fitted model's torque [N.m]; both are alike where the cam slips.
-    before : ndarray, shape (n,)
-        Torque of the model with the start values that is nearest to the measured torque [N.m].
-    residual : ndarray, shape (n,)
-        Fitted minus measured torque [N.m]; 0 where a torque at rest is allowed.
-    sliding_speed : ndarray, shape (n,)
-        Sliding speed of the faster contact [m/s].
-    noise : float
-        Standard deviation of the noise of the measured torque [N.m], from neighbouring samples.
-    parameters : tuple of FittedParameter
-        In the order of `fit`.
-    correlation : ndarray, shape (p, p)
-        Correlation of the fitted values.
-    ambiguities : tuple of Ambiguity
-        What the data cannot tell apart.
-    missing : tuple of Missing
-        Values outside of the fit that the residuals ask for, the best one first; see `lack_of_fit`.
-    levers : tuple of Lever
-        Fitted values that a small error of a held value would change strongly.
+    design : The design of the start values.
+    recording : All samples.
+    motion : Motion at the samples that count.
+    time, measured : Time [s] and measured torque [N.m] of these samples, shape (n,).
+    low, high : Limits of the fitted model's torque [N.m], shape (n,); both are alike where the cam slips.
+    before
+        Torque of the model with the start values that is nearest to the measured torque [N.m], shape (n,).
+    residual : Fitted minus measured torque [N.m], shape (n,); 0 where a torque at rest is allowed.
+    sliding_speed : Sliding speed of the faster contact [m/s], shape (n,).
+    noise : Standard deviation of the noise of the measured torque [N.m], from neighbouring samples.
+    parameters : In the order of `fit`.
+    correlation : Correlation of the fitted values, shape (p, p).
+    ambiguities : What the data cannot tell apart.
+    missing : Values outside of the fit that the residuals ask for, the best one first; see `lack_of_fit`.
+    levers : Fitted values that a small error of a held value would change strongly.
     """
 
     def warnings(self) -> list[str]:
@@ -86,45 +73,25 @@ class Identification(Fit):
         }
 
     def plot(self) -> Figure:
-        """Measured and fitted torque over the angle, and residuals over angle, sliding speed and time.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-        """
+        """Measured and fitted torque over the angle, and residuals over angle, sliding speed and time."""
         from dualcam.identification.picture import plot_identification
 
         return plot_identification(self)
 
     def write_report(self, path: str | Path) -> Path:
-        """Write one HTML page with the result.
-
-        Parameters
-        ----------
-        path : str or Path
-            The page (.html).
-
-        Returns
-        -------
-        Path
-            The written file.
-        """
+        """Write one HTML page with the result to `path` (.html), and return that path."""
         from dualcam.identification.page import write_page
 
         return write_page(self, path)
 
     def write_design(self, path: str | Path) -> Path:
-        """Write the design file with the fitted values. Comments and all other lines stay.
+        """Write the design file with the fitted values to `path`, and return that path. Comments and all
+        other lines stay.
 
-        Parameters
-        ----------
-        path : str or Path
-            The new design file.
-
-        Returns
-        -------
-        Path
-            The written file.
+        IdentificationError: the path is that of the design itself, the recording has another unit of time or
+        the opposite sign of the torque, `dualcam check` would refuse the fitted values, or the lines of the
+        design file cannot be changed one by one. DesignFileError: the new file would be refused, for example
+        because a groove table is not in its folder.
         """
         from dualcam.identification.fitted_design import write_fitted
 

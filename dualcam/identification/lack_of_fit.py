@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from dualcam.common.arrays import Array
 from dualcam.design_file import DesignFile
 from dualcam.errors import FmuError
 from dualcam.identification.least_squares import Solution, spread
@@ -21,8 +21,6 @@ from dualcam.identification.unknowns import (
     names_without_effect,
     unknowns_of,
 )
-
-Array = NDArray[np.float64]
 
 PEAK = "friction_peak"
 # Values that may be missing in a fit, each with the step of a difference where the value is 0.
@@ -48,54 +46,26 @@ LEAST_SHARE = 1e-6  # part of a column that the fitted values do not explain; le
 
 @dataclass(frozen=True)
 class Missing:
-    """A value outside of the fit that the residuals ask for.
+    """A value outside of the fit that the residuals ask for."""
 
-    Attributes
-    ----------
-    name : str
-        As in `fit`.
-    unit : str
-        Unit, "1" for a plain number.
-    held : float
-        Value in the fit.
-    change : float
-        Change that the residuals ask for, by one linear step.
-    half_width : float
-        Half of the 95 % interval of `change`.
-    drop : float
-        Part of the sum of squares that the change explains, 0 to 1.
-    """
-
-    name: str
-    unit: str
-    held: float
-    change: float
-    half_width: float
-    drop: float
+    name: str  # as in `fit`
+    unit: str  # unit, "1" for a plain number
+    held: float  # value in the fit
+    change: float  # change that the residuals ask for, by one linear step
+    half_width: float  # half of the 95 % interval of `change`
+    drop: float  # part of the sum of squares that the change explains, 0 to 1
 
 
 @dataclass(frozen=True)
 class Lever:
-    """A fitted value that a small error of a held value changes strongly.
+    """A fitted value that a small error of a held value changes strongly."""
 
-    Attributes
-    ----------
-    name, held_name : str
-        The fitted value and the held one.
-    held : float
-        The held value.
-    change : float
-        Change of the fitted value by 10 % of the held value.
-    unit, held_unit : str
-        Units, "1" for a plain number.
-    """
-
-    name: str
-    unit: str
-    change: float
-    held_name: str
+    name: str  # the fitted value
+    unit: str  # of the fitted value, "1" for a plain number
+    change: float  # change of the fitted value by 10 % of the held value
+    held_name: str  # the held value
     held: float
-    held_unit: str
+    held_unit: str  # of the held value, "1" for a plain number
 
     @property
     def held_text(self) -> str:
@@ -114,28 +84,9 @@ def lack_of_fit(
 
     The derivatives of the torque by the fitted values are extended by those of one further value. One step
     of Gauss and Newton gives the change that the residuals ask for, with its 95 % interval. The interval is
-    that of the fit: the blocks in time take into account that neighbouring residuals are alike.
-
-    Parameters
-    ----------
-    design : DesignFile
-        Values that are held.
-    motion : MeasuredMotion
-        Motion at the samples.
-    force : ndarray, shape (n,)
-        Axial force on the follower [N].
-    unknowns : sequence of Unknown
-        What was fitted.
-    solution : Solution
-        Result of the fit.
-
-    Returns
-    -------
-    missing : list of Missing
-        The value that explains most of the residual, if its change is beyond doubt, and those that explain
-        nearly as much.
-    levers : list of Lever
-        Doubts of single values.
+    that of the fit: the blocks in time take into account that neighbouring residuals are alike. The
+    values found are the one that explains most of the residual, if its change is beyond doubt, and those that
+    explain nearly as much. `force`: axial force on the follower [N], shape (n,).
     """
     others = _others(design, motion, unknowns)
     slips = np.flatnonzero(motion.direction)
@@ -150,21 +101,17 @@ def lack_of_fit(
         one, shift = _one(other, column, residual, jacobian, solution.noise)
         if one is None:
             continue
-        found.append(one)
+        found.append((one, other))
         levers += _levers(unknowns, solution, other, shift)
     allowed = [
         one
-        for one, other in ((one, _named(others, one.name)) for one in found)
+        for one, other in found
         if abs(one.change) > (LIKELY if one.name == TORQUE_OFFSET else FAR) * one.half_width
         and other.least <= one.held + one.change <= other.greatest
     ]
     best = max((one.drop for one in allowed), default=0.0)
     near = [one for one in allowed if one.drop > AS_GOOD * best]
     return sorted(near, key=lambda one: (one.name == ANGLE_OFFSET, -one.drop)), levers
-
-
-def _named(unknowns: Sequence[Unknown], name: str) -> Unknown:
-    return next(one for one in unknowns if one.name == name)
 
 
 def _others(design: DesignFile, motion: MeasuredMotion, unknowns: Sequence[Unknown]) -> list[Unknown]:

@@ -7,15 +7,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import least_squares
 from scipy.stats import t as student
 
+from dualcam.common.arrays import Array
 from dualcam.errors import FmuError, IdentificationError
 from dualcam.identification.torque_model import ANGLE_MARGIN, TorqueModel
 from dualcam.identification.unknowns import Unknown
-
-Array = NDArray[np.float64]
 
 MARGIN = 2.0  # standard deviations by which a torque at rest may leave the band
 STEP = 1e-5  # of a size, for differences
@@ -33,40 +31,22 @@ COARSE, ACCURACY = 1e-3, 1e-9  # relative changes at which a search ends
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """The best values and what the samples say about them.
+    """The best values and what the samples say about them."""
 
-    Attributes
-    ----------
-    values, sizes : ndarray, shape (p,)
-        Best values, and the size of each unknown, in the unknown's unit.
-    residual : ndarray, shape (n,)
-        Torque of the model minus measured torque [N.m]; 0 where a torque at rest is allowed.
-    jacobian : ndarray, shape (n, p)
-        Derivatives of the residual [N.m] by values in units of `sizes`.
-    covariance : ndarray, shape (p, p)
-        Of values in units of `sizes`.
-    widths : ndarray, shape (2, p, p)
-        For `half_width`, in units of `sizes`.
-    noise : float
-        Standard deviation of the torque's noise [N.m].
-    """
-
-    values: Array
-    sizes: Array
-    residual: Array
-    jacobian: Array
-    covariance: Array
-    widths: Array
-    noise: float
+    values: Array  # in the unknown's unit, shape (p,)
+    sizes: Array  # of each unknown, likewise
+    residual: Array  # model minus measured torque [N.m], shape (n,); 0 where a torque at rest is allowed
+    jacobian: Array  # of the residual [N.m] by values in units of `sizes`, shape (n, p)
+    covariance: Array  # of values in units of `sizes`, shape (p, p)
+    widths: Array  # for `half_width`, in units of `sizes`, shape (2, p, p)
+    noise: float  # standard deviation of the torque's noise [N.m]
 
     def half_width(self, direction: Array) -> float:
         """Half of the 95 % interval of the values' component along a direction, in units of `sizes`."""
         return float(np.linalg.norm(direction @ self.widths, axis=1).max())
 
     def pull(self, k: int) -> float:
-        """How far the residuals pull value k from where the value is, in units of `sizes`.
-
-        0 but for a value at a limit."""
+        """How far the residuals pull value k from its place, in units of `sizes`: 0 but at a limit."""
         step, *_ = np.linalg.lstsq(self.jacobian, -self.residual, rcond=None)
         return float(step[k])
 
@@ -193,33 +173,12 @@ class Problem:
 
 
 def spread(residual: Array, jacobian: Array, noise: float) -> tuple[Array, Array]:
-    """How far the result may be off, in units of the sizes.
+    """The covariance for independent residuals, shape (p, p), and `Solution.widths`, in units of the sizes.
 
-    A 95 % interval is the wider one of two: that for independent residuals of one variance, and that for
+    Half a 95 % interval along v is the longer v W of two: for independent residuals of one variance, and for
     residuals that are alike within each of some blocks in time (cluster-robust covariance; A. C. Cameron, D.
     L. Miller, A practitioner's guide to cluster-robust inference, 2015). Errors of the model and of a
-    smoothed angle last for many samples.
-
-    Parameters
-    ----------
-    residual : ndarray, shape (n,)
-        Residuals [N.m].
-    jacobian : ndarray, shape (n, p)
-        Their derivatives [N.m].
-    noise : float
-        Standard deviation of the torque's noise [N.m], for the weak hold at the start.
-
-    Returns
-    -------
-    covariance : ndarray, shape (p, p)
-        For independent residuals.
-    widths : ndarray, shape (2, p, p)
-        Two matrices W. The half width of the 95 % interval along a direction v is the larger length of v W.
-
-    Raises
-    ------
-    IdentificationError
-        There are not more samples that tell something than unknowns.
+    smoothed angle last for many samples. IdentificationError for no more telling samples than unknowns.
     """
     count = jacobian.shape[1]
     telling = np.flatnonzero((residual != 0.0) | jacobian.any(axis=1))

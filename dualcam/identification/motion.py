@@ -8,11 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from dualcam.common.arrays import Array
 from dualcam.errors import IdentificationError
 from dualcam.identification.recording import Recording
 from dualcam.identification.smoothing import NARROWEST, half_of, noise_between, smooth, widths_of
-
-Array = NDArray[np.float64]
 
 AUTO, QUASI_STATIC, DYNAMIC = "auto", "quasi-static", "dynamic"
 KINDS = (AUTO, QUASI_STATIC, DYNAMIC)
@@ -25,35 +24,18 @@ USUAL = 0.95  # quantile of speeds
 
 @dataclass(frozen=True, eq=False)
 class MeasuredMotion:
-    """The motion of cam 2, each array of shape (n,).
+    """The motion of cam 2, each array of shape (n,)."""
 
-    Attributes
-    ----------
-    theta, omega, alpha : ndarray
-        Angle [rad], smoothed where the cam slips and no speed is measured, angular velocity [rad/s] and
-        acceleration [rad/s2]. alpha is 0 in quasi-static motion.
-    direction : ndarray of int
-        1: loading, -1: releasing, 0: at rest, or so near to rest that the direction is not known.
-    kind : {"quasi-static", "dynamic"}
-        Whether alpha counts.
-    slowest : float
-        Speed below which a sample counts as at rest [rad/s].
-    window : float or None
-        Length of the window of the local polynomials [s]; None where the speed was measured.
-    theta_noise, alpha_noise, alpha_rms : float
-        Noise of the measured angle [rad], noise of alpha and RMS of alpha [rad/s2].
-    """
-
-    theta: Array
-    omega: Array
-    alpha: Array
-    direction: NDArray[np.int_]
-    kind: str
-    slowest: float
-    window: float | None
-    theta_noise: float
-    alpha_noise: float
-    alpha_rms: float
+    theta: Array  # rad, smoothed where the cam slips and no speed is measured
+    omega: Array  # rad/s
+    alpha: Array  # rad/s2, 0 in quasi-static motion
+    direction: NDArray[np.int_]  # 1 loading, -1 releasing, 0 at rest, or so near that it is not known
+    kind: str  # "quasi-static" or "dynamic": whether alpha counts
+    slowest: float  # speed below which a sample counts as at rest [rad/s]
+    window: float | None  # of the local polynomials [s]; None where the speed was measured
+    theta_noise: float  # rad
+    alpha_noise: float  # rad/s2
+    alpha_rms: float  # rad/s2
 
     def count(self, direction: int) -> int:
         """Number of samples with that direction."""
@@ -71,26 +53,8 @@ class MeasuredMotion:
 
 
 def motion_of(recording: Recording, kind: str = AUTO, window: float | None = None) -> MeasuredMotion:
-    """The motion behind a recording.
-
-    Parameters
-    ----------
-    recording : Recording
-        Time, angle and perhaps speed.
-    kind : {"auto", "quasi-static", "dynamic"}
-        auto: dynamic where the acceleration stands out of its noise.
-    window : float, optional
-        Length of the window of the local polynomials [s]. Default: that of the least error of prediction.
-
-    Returns
-    -------
-    MeasuredMotion
-
-    Raises
-    ------
-    IdentificationError
-        For another kind, or a window that is no length of time within the recording.
-    """
+    """The motion behind a recording; `kind` "auto" is dynamic where the acceleration stands out of its noise,
+    `window` [s] None that of the least error of prediction."""
     if kind not in KINDS:
         raise IdentificationError(f"motion = {kind!r}: allowed are {', '.join(KINDS)}")
     time = recording.time
@@ -113,7 +77,7 @@ def motion_of(recording: Recording, kind: str = AUTO, window: float | None = Non
         sign, limit = _signs(omega, noise)
         direction, slowest = np.where(_unsure(sign), 0, sign), float(np.median(limit))
     moving = direction != 0
-    alpha_rms, noise_rms = (_rms(values[moving]) for values in (alpha, alpha_noise))
+    alpha_rms, noise_rms = (rms_of(values[moving]) for values in (alpha, alpha_noise))
     if kind == AUTO:
         kind = DYNAMIC if alpha_rms > SEEN * noise_rms else QUASI_STATIC
     if recording.omega is None:
@@ -172,5 +136,6 @@ def _unsure(sign: NDArray[np.int_]) -> NDArray[np.bool_]:
     return unsure
 
 
-def _rms(values: Array) -> float:
+def rms_of(values: Array) -> float:
+    """Root mean square; 0 of no values."""
     return math.sqrt(float(np.mean(values**2))) if len(values) else 0.0

@@ -39,22 +39,14 @@ class Recording:
 
     Attributes
     ----------
-    time : ndarray, shape (n,)
-        Increasing times [s]; steps may be uneven.
-    theta : ndarray, shape (n,)
-        Angle of cam 2 [rad], zero where the design has its zero.
-    tau : ndarray, shape (n,)
-        Torque on cam 2 [N.m], positive in the loading direction.
-    omega : ndarray, shape (n,), optional
-        Measured angular velocity [rad/s]. None: found from `theta`.
-    F_ext : ndarray, shape (n,), optional
-        Axial force on the follower [N], positive against loading. None: zero.
-    source : str
-        Where the samples come from, for reports.
-    notes : tuple of str
-        How a file was understood.
-    torque_unit : str
-        Unit of the torque in the file.
+    time : Increasing times [s], shape (n,); steps may be uneven.
+    theta : Angle of cam 2 [rad], zero where the design has its zero, shape (n,).
+    tau : Torque on cam 2 [N.m], positive in the loading direction, shape (n,).
+    omega : Measured angular velocity [rad/s], shape (n,). None: found from `theta`.
+    F_ext : Axial force on the follower [N], positive against loading, shape (n,). None: zero.
+    source : Where the samples come from, for reports.
+    notes : How a file was understood.
+    torque_unit : Unit of the torque in the file.
     """
 
     time: Array
@@ -80,19 +72,9 @@ class Recording:
     ) -> Recording:
         """A recording of arrays of one shape (n,), n >= 20, in SI units.
 
-        Parameters
-        ----------
-        time, theta, tau, omega, F_ext : array_like, shape (n,)
-            As the attributes. Durations, such as timedelta64 of NumPy or pandas, are allowed for `time`.
-
-        Returns
-        -------
-        Recording
-
-        Raises
-        ------
-        IdentificationError
-            For another shape, a value that is not finite, or times that do not increase.
+        `time`, `theta`, `tau`, `omega`, `F_ext`: as the attributes, shape (n,). Durations, such as
+        timedelta64 of NumPy or pandas, are allowed for `time`. IdentificationError: for another shape, a
+        value that is not finite, or times that do not increase.
         """
         given = {"time": time, "theta": theta, "tau": tau, "omega": omega, "F_ext": F_ext}
         columns = {name: _column(name, values) for name, values in given.items() if values is not None}
@@ -118,27 +100,15 @@ def _column(name: str, values: ArrayLike) -> Array:
 def read_recording(path: str | Path) -> Recording:
     """Read a recording from a CSV file.
 
-    Parameters
-    ----------
-    path : str or Path
-        File with a header whose columns have a name and a unit, such as `time_s,theta_deg,tau_Nm` or
-        `t [ms]; angle [rad]; torque [N.mm]`; docs/tables.md says what else is read. Columns of the angular
-        velocity (`omega_rad/s`) and of the axial force (`F_ext_N`) are optional. Other columns are left out.
-        The files of `dualcam simulate` can be read too.
-
-    Returns
-    -------
-    Recording
-
-    Raises
-    ------
-    IdentificationError
-        With line and column of the first faults, and what is allowed.
+    `path`: file with a header whose columns have a name and a unit, such as `time_s,theta_deg,tau_Nm` or
+    `t [ms]; angle [rad]; torque [N.mm]`; docs/tables.md says what else is read. Columns of the angular
+    velocity (`omega_rad/s`) and of the axial force (`F_ext_N`) are optional. Other columns are left out. The
+    files of `dualcam simulate` can be read too. IdentificationError: with line and column of the first
+    faults, and what is allowed.
 
     Warns
     -----
-    UnitWarning
-        Numbers that look as if they were in another unit.
+    UnitWarning : Numbers that look as if they were in another unit.
 
     Examples
     --------

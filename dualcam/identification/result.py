@@ -4,22 +4,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from dualcam.common.arrays import Array
 from dualcam.design_file import DesignFile
 from dualcam.errors import IdentificationError
 from dualcam.identification.ambiguity import Ambiguity
 from dualcam.identification.lack_of_fit import Lever, Missing
-from dualcam.identification.motion import MeasuredMotion
+from dualcam.identification.motion import MeasuredMotion, rms_of
 from dualcam.identification.recording import Recording
-
-if TYPE_CHECKING:
-    pass
-
-Array = NDArray[np.float64]
 
 KNOWN, AT_LIMIT, OPEN = "known", "at its limit", "not determined"
 MOST_DECIMALS = 7
@@ -32,22 +27,16 @@ class FittedParameter:
 
     Attributes
     ----------
-    name : str
-        As given in `fit`.
-    keys : tuple of str
-        The FMU's parameters with this value.
-    unit : str
-        Unit, "1" for a plain number.
-    start, value : float
-        Value of the design, and fitted value.
-    low, high : float
-        Ends of the 95 % interval.
+    name : As given in `fit`.
+    keys : The FMU's parameters with this value.
+    unit : Unit, "1" for a plain number.
+    start, value : Value of the design, and fitted value.
+    low, high : Ends of the 95 % interval.
     status : {"known", "at its limit", "not determined"}
         "at its limit": the recording asks for a value beyond the least or greatest allowed one. "not
         determined": see the ambiguities.
-    limit : float or None
-        The limit at which the best value is.
-    part : float
+    limit : The limit at which the best value is.
+    part
         RMS of the value's part of the torque where the cam slips [N.m], by the derivative at the best value.
     """
 
@@ -155,11 +144,6 @@ class Fit:
 def _ordinal(number: int) -> str:
     ending = "th" if number % 100 in (11, 12, 13) else {1: "st", 2: "nd", 3: "rd"}.get(number % 10, "th")
     return f"{number}{ending}"
-
-
-def rms_of(values: Array) -> float:
-    """Root mean square; 0 of no values."""
-    return math.sqrt(float(np.mean(values**2))) if len(values) else 0.0
 
 
 def rows_of(fit: Fit) -> list[list[str]]:

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from dualcam.common.arrays import Array
 
 DEGREE = 4  # the curvature of a polynomial of this degree has an error of fourth order in the window
 NARROWEST = 4  # samples on each side: 9 samples for 5 coefficients
@@ -42,28 +42,27 @@ class Smooth:
 
 
 def smooth(time: Array, samples: Array, half: int | None = None) -> Smooth:
-    """Local polynomials through samples over time; `half` None: the window of the least error of
-    prediction."""
+    """Local polynomials through samples over time; `half` None: the window of least error of prediction."""
     widths = widths_of(len(time))
     if half is None:
         half, noise = _best(time, samples, widths)
     else:
         half = min(max(half, NARROWEST), (len(time) - 1) // 2)
         noise = _best(time, samples, [width for width in widths if width <= half])[1]
-    value, slope, curvature, slope_gain, curvature_gain = _parts(time, samples, _all(time), half)[:5]
+    value, slope, curvature, slope_gain, curvature_gain = _parts(time, samples, np.arange(len(time)), half)[
+        :5
+    ]
     return Smooth(value, slope, curvature, noise * slope_gain, noise * curvature_gain, noise, half)
 
 
 def noise_of(time: Array, samples: Array, rows: NDArray[np.intp]) -> float:
-    """Standard deviation of the noise of samples, from the narrowest windows at `rows`. Some jumps do not
-    count."""
+    """Standard deviation of the noise, from the narrowest windows at `rows`. Some jumps do not count."""
     residual, leverage = _parts(time, samples, rows, NARROWEST)[5:]
     return NORMAL * float(np.median(np.abs(residual) / np.sqrt(1.0 - leverage)))
 
 
 def noise_between(samples: Array) -> float:
-    """Standard deviation of the noise of samples, from each sample and its two neighbours: also where signs
-    change every few samples."""
+    """Standard deviation of the noise, from each sample and its neighbours: also where signs change often."""
     second = samples[:-2] - 2.0 * samples[1:-1] + samples[2:]
     return NORMAL * float(np.median(np.abs(second))) / math.sqrt(6.0)
 
@@ -84,20 +83,13 @@ def widths_of(count: int) -> list[int]:
 def _best(time: Array, samples: Array, widths: list[int]) -> tuple[int, float]:
     """The window of the least error of prediction, and the noise that its residuals show."""
     errors, variances = [], []
+    some = np.unique(np.linspace(0, len(time) - 1, min(len(time), TRIED)).astype(np.intp))
     for half in widths:
-        residual, leverage = _parts(time, samples, _some(time), half)[5:]
+        residual, leverage = _parts(time, samples, some, half)[5:]
         errors.append(float(np.mean((residual / (1.0 - leverage)) ** 2)))
         variances.append(float(np.sum(residual**2) / np.sum(1.0 - leverage)))
     best = int(np.argmin(errors))
     return widths[best], math.sqrt(variances[best])
-
-
-def _all(time: Array) -> NDArray[np.intp]:
-    return np.arange(len(time))
-
-
-def _some(time: Array) -> NDArray[np.intp]:
-    return np.unique(np.linspace(0, len(time) - 1, min(len(time), TRIED)).astype(np.intp))
 
 
 def _parts(time: Array, samples: Array, rows: NDArray[np.intp], half: int) -> list[Array]:

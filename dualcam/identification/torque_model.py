@@ -8,16 +8,14 @@ from types import TracebackType
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from dualcam.common.arrays import Array
 from dualcam.common.unit_guards import units_checked_before
 from dualcam.design_file import DesignFile
 from dualcam.errors import IdentificationError
 from dualcam.fmi.fmu import Fmu, RepeatedStart
 from dualcam.identification.motion import MeasuredMotion
 from dualcam.identification.unknowns import ANGLE_OFFSET, ELASTIC, TORQUE_OFFSET, Unknown
-
-Array = NDArray[np.float64]
 
 ANGLE_MARGIN = 2.0  # standard deviations of the angle's noise by which a measured angle at rest may be off
 BEYOND = 0.02  # of the range of theta: as far a measured angle may be beyond a stop
@@ -29,23 +27,8 @@ class TorqueModel:
     Where the cam slips, the motion determines the torque. At rest, and so near to a reversal that the
     direction is not known, any torque of the stick band keeps the motion: the torque has two limits.
 
-    Parameters
-    ----------
-    design : DesignFile
-        Values of all parameters that are not fitted.
-    motion : MeasuredMotion
-        Angle, speed and acceleration.
-    force : ndarray, shape (n,)
-        Axial force on the follower [N].
-    unknowns : sequence of Unknown, shape (p,)
-        Parameters whose values `limits` takes.
-
-    Raises
-    ------
-    IdentificationError
-        The angle leaves the range between the stops, or the design has an elastic shaft.
-    FmuError
-        The FMU refuses the design.
+    `force`: axial force on the follower [N], shape (n,). `unknowns`: whose values `limits` takes, shape (p,).
+    IdentificationError: the angle leaves the range between the stops, or the design has an elastic shaft.
     """
 
     def __init__(
@@ -80,25 +63,8 @@ class TorqueModel:
         self._fmu.close()
 
     def limits(self, values: Array, shift: float = 0.0) -> tuple[Array, Array]:
-        """The least and the largest torque at each sample; both are alike where the cam slips.
-
-        Parameters
-        ----------
-        values : ndarray, shape (p,)
-            Values of the unknowns.
-        shift : float
-            Added to all angles [rad].
-
-        Returns
-        -------
-        low, high : ndarray, shape (n,)
-            Torques [N.m].
-
-        Raises
-        ------
-        FmuError
-            The FMU refuses the values.
-        """
+        """The least and the largest torque at each sample [N.m], alike where the cam slips. `shift`: of all
+        angles [rad]."""
         rows, offset = self._started(values, shift)
         motion = self.motion
         low, high = np.empty(len(rows)), np.empty(len(rows))
@@ -114,17 +80,7 @@ class TorqueModel:
         return low + offset, high + offset
 
     def sliding_speeds(self, values: Array) -> Array:
-        """Sliding speed of both contacts at each sample [m/s], shape (n, 2).
-
-        Parameters
-        ----------
-        values : ndarray, shape (p,)
-            Values of the unknowns.
-
-        Returns
-        -------
-        ndarray, shape (n, 2)
-        """
+        """Sliding speed of both contacts at each sample [m/s], shape (n, 2)."""
         rows, _ = self._started(values)
         found = np.empty((len(rows), 2))
         for k, row in enumerate(rows.tolist()):
@@ -136,20 +92,14 @@ class TorqueModel:
     def _started(self, values: Array, shift: float = 0.0) -> tuple[Array, float]:
         """Begins a run; the FMU's inputs at each sample, and the zero error of the torque."""
         given = dict(zip(self._names, values.tolist(), strict=True))
-        repeated = [
-            value for value, size in zip(values.tolist(), self._sizes, strict=True) for _ in range(size)
-        ]
-        self._runs.start(repeated)
+        self._runs.start(np.repeat(values, self._sizes).tolist())
         theta = np.clip(self.motion.theta + shift - given.get(ANGLE_OFFSET, 0.0), self.lower, self.upper)
-        return np.column_stack([theta, self.motion.omega, self.motion.alpha, self.force]), given.get(
-            TORQUE_OFFSET, 0.0
-        )
+        rows = np.column_stack([theta, self.motion.omega, self.motion.alpha, self.force])
+        return rows, given.get(TORQUE_OFFSET, 0.0)
 
     def _band(self, row: list[float]) -> tuple[float, float]:
-        """Limits of the torque at rest: the stick band, and the slow slip in both directions that is as
-        likely.
-
-        Beyond a stop the torque has no limit: the stop carries it."""
+        """Limits of the torque at rest: the stick band, and slow slip in both directions, which is as likely.
+        There is none beyond a stop, which carries the torque."""
         theta, omega, alpha, force = row
         slack = ANGLE_MARGIN * self.motion.theta_noise
         if theta - slack <= self.lower or theta + slack >= self.upper:

@@ -25,24 +25,12 @@ ELASTIC = "shaft.stiffness"  # the torque then depends on the past
 
 @dataclass(frozen=True)
 class Unknown:
-    """One number that is fitted.
+    """One number that is fitted."""
 
-    Attributes
-    ----------
-    name : str
-        As the user writes it: `spring.preload`; `friction` for one value of both cams; `torque_offset`.
-    keys : tuple of str
-        The FMU's parameters that have this value; empty for the zero error of a sensor.
-    unit : str
-        As the FMU writes it, "1" without a unit.
-    start, least, greatest : float
-        Value of the design, and allowed values.
-    """
-
-    name: str
-    keys: tuple[str, ...]
-    unit: str
-    start: float
+    name: str  # as the user writes it: `spring.preload`; `friction` for both cams; `torque_offset`
+    keys: tuple[str, ...]  # the FMU's parameters that have this value; empty for the zero error of a sensor
+    unit: str  # as the FMU writes it, "1" without a unit
+    start: float  # value of the design
     least: float
     greatest: float
 
@@ -59,18 +47,7 @@ def fitted_names() -> dict[str, tuple[str, ...]]:
 
 
 def names_without_effect(design: DesignFile) -> dict[str, str]:
-    """Names that cannot act on the torque of this design, each with the reason.
-
-    Parameters
-    ----------
-    design : DesignFile
-        Groove laws and friction law.
-
-    Returns
-    -------
-    dict of str to str
-        Name -> the end of a sentence that begins with the name.
-    """
+    """Names that cannot act on the torque of this design, each with the reason, the end of a sentence."""
     reasons = {key: reason for key in fitted_names() if (reason := _reason(design, key))}
     for name, keys in fitted_names().items():
         if len(keys) > 1 and all(key in reasons for key in keys):
@@ -105,25 +82,8 @@ def _can_be_fitted(variable: SettableVariable) -> bool:
 
 
 def unknowns_of(design: DesignFile, names: Sequence[str] = DEFAULT) -> list[Unknown]:
-    """The numbers to be fitted, with the values of the design as start.
-
-    Parameters
-    ----------
-    design : DesignFile
-        Start values.
-    names : sequence of str
-        Names of parameters, such as `spring.preload`; `friction` and the like for one value of both cams;
-        `torque_offset` [N.m] and `angle_offset` [rad] for the zero errors of the sensors.
-
-    Returns
-    -------
-    list of Unknown
-
-    Raises
-    ------
-    IdentificationError
-        For no name, an unknown one, one that cannot act for this design, or a parameter that is named twice.
-    """
+    """The numbers to be fitted, with the values of the design as start. `friction` and the like are one value
+    of both cams. IdentificationError for names that cannot be fitted."""
     names = _listed(names)
     if not names:
         raise IdentificationError("no parameter to fit: name one or more, such as friction, spring.preload")

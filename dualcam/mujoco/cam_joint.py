@@ -24,27 +24,23 @@ class CamJoint:
 
     Parameters
     ----------
-    joint : str
-        Name of the joint in the model.
-    stiffness : float
-        Torsional stiffness of the shaft between the cam and the joint [N.m/rad]. A round steel shaft has
-        79 GPa pi d^4/(32 l).
-    design : DesignFile, str or Path, optional
-        The design, or the path of its file. Default: the FMU's default values.
-    parameters : mapping of str to value, optional
+    joint : Name of the joint in the model.
+    stiffness
+        Torsional stiffness of the shaft between the cam and the joint [N.m/rad]. A round steel shaft has 79
+        GPa pi d^4/(32 l).
+    design : The design, or the path of its file. Default: the FMU's default values.
+    parameters
         Parameters of the FMU that replace those of the design: one value, or an array with one value per
         mjData.
-    ratio : float
+    ratio
         Angle of the cam over that of the joint [1], not 0. With ratio < 0 the cam turns against the joint.
-    offset : float
-        Angle of the joint at theta = 0 of the cam [rad].
-    cam_stops : bool
+    offset : Angle of the joint at theta = 0 of the cam [rad].
+    cam_stops
         Whether the stops of the cam may carry the joint. Else the range of the joint must be inside them.
 
     Raises
     ------
-    MujocoError
-        A number that cannot be.
+    MujocoError : A number that cannot be.
 
     Examples
     --------
@@ -86,13 +82,7 @@ class CamJoint:
         return CamGear(self.ratio, self.offset)
 
     def values(self) -> dict[str, FleetValue]:
-        """The values of design and parameters for the FMU.
-
-        Returns
-        -------
-        dict
-            Start values by name.
-        """
+        """Start values of the FMU by name, of the design and the parameters."""
         found: dict[str, FleetValue] = {}
         if self.design is not None:
             found.update(as_design(self.design).parameters_for(self.model))
@@ -107,17 +97,9 @@ class DriveTrain(CamJoint):
     `inertia.shaft` is that of cam and rotor. All friction laws, dampers and inertias of the cam act. The time
     step h should satisfy K h^2 <= `inertia.shaft`; beyond comes an UnstableCouplingWarning.
 
-    Parameters
-    ----------
-    joint, stiffness, design, parameters, ratio, offset, cam_stops
-        As in `CamJoint`. `inertia.shaft` must be > 0.
-    damping : float
-        Damping of the shaft between the cam and the joint [N.m.s/rad].
-
-    Raises
-    ------
-    MujocoError
-        A number that cannot be.
+    `joint`, `stiffness`, `design`, `parameters`, `ratio`, `offset`, `cam_stops`: as in `CamJoint`.
+    `inertia.shaft` must be > 0. `damping` of the shaft between the cam and the joint [N.m.s/rad].
+    MujocoError: a number that cannot be.
     """
 
     damping: float = 0.0

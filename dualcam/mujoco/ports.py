@@ -11,10 +11,10 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from dualcam.common.arrays import Array
 from dualcam.errors import DualcamWarning, MujocoError, UnstableCouplingWarning
 from dualcam.fleet import Fleet, FleetState
 from dualcam.fleet.values import FleetValue
-from dualcam.fmi.reals import Array
 from dualcam.mujoco.cam_joint import CamJoint, DriveTrain
 from dualcam.mujoco.torques import CamLaw, DriveLaw, ShaftLaw
 
@@ -63,8 +63,7 @@ class Port(ABC):
 
     @abstractmethod
     def law(self, angle: Array, speed: Array, step: float) -> ShaftLaw:
-        """The law of the shaft over the coming step, whose end at the joint would reach `angle` and `speed`
-        without the shaft's torque."""
+        """The shaft's law over the step that would end at `angle` and `speed` without the shaft's torque."""
 
     @abstractmethod
     def advance(self, theta: Array, torque: Array, step: float) -> None:

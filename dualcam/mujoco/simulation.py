@@ -9,11 +9,10 @@ import mujoco
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from dualcam.common.arrays import real_array
+from dualcam.common.arrays import Array, real_array
 from dualcam.errors import MujocoError
 from dualcam.fleet import Fleet
 from dualcam.fleet.arguments import chosen_instances
-from dualcam.fmi.reals import Array
 from dualcam.mujoco.cam_joint import CamJoint
 from dualcam.mujoco.model_joint import check_range, checked_cams, checked_data, checked_model, hinge_joint
 from dualcam.mujoco.ports import DrivePort, Port, PortState, port_of
@@ -35,14 +34,8 @@ class _Views(NamedTuple):
 class SimulationState(NamedTuple):
     """The whole state of a CamSimulation, from `CamSimulation.save`.
 
-    Attributes
-    ----------
-    physics : ndarray, shape (count, size)
-        State of each mjData, as `mujoco.mj_getState` gives it for mjSTATE_INTEGRATION.
-    ports : tuple of PortState
-        States of the cams.
-    arrays : tuple of ndarray
-        Torques of the last step.
+    `physics`: state of each mjData, as `mujoco.mj_getState` gives it for mjSTATE_INTEGRATION, shape (count,
+    size). `ports`: states of the cams. `arrays`: torques of the last step.
     """
 
     physics: Array
@@ -59,24 +52,20 @@ class CamSimulation:
 
     Parameters
     ----------
-    model : mujoco.MjModel
-        The model. Its integrator is Euler, implicit or implicitfast.
-    data : mujoco.MjData, or sequence of them
-        The data that are stepped. The cams start at their joints' present angles.
-    cams : CamJoint, or sequence of them
-        The cams, each on a joint of its own. A `DriveTrain` is a CamJoint.
+    model : The model. Its integrator is Euler, implicit or implicitfast.
+    data : The data that are stepped. The cams start at their joints' present angles.
+    cams : The cams, each on a joint of its own. A `DriveTrain` is a CamJoint.
 
     Attributes
     ----------
-    data : list of mujoco.MjData
-        The data.
-    torque : ndarray, shape (count, n)
-        Torques of the shafts on the cams in the last step [N.m]. A joint has the torque -ratio times that.
+    data : The data.
+    torque
+        Torques of the shafts on the cams in the last step [N.m], shape (count, n). A joint has the torque
+        -ratio times that.
 
     Raises
     ------
-    MujocoError
-        A joint, a model or data that do not suit. The message says what would.
+    MujocoError : A joint, a model or data that do not suit. The message says what would.
 
     Examples
     --------
@@ -150,15 +139,9 @@ class CamSimulation:
     def step(self) -> None:
         """One step of all mjData with their cams, in place of `mujoco.mj_step`.
 
-        Raises
-        ------
-        MujocoError
-            The time of an mjData is not that after the last step: the cams do not know what happened since.
-            Or the last step failed, and neither `restore` nor `reset` was called since.
-        FleetError
-            The FMU refuses the step of an instance.
-        FmuError
-            An angle of a joint is not finite.
+        MujocoError: the time of an mjData is not that after the last step: the cams do not know what happened
+        since. Or the last step failed, and neither `restore` nor `reset` was called since. FleetError: the
+        FMU refuses the step of an instance. FmuError: an angle of a joint is not finite.
         """
         if not self._is_whole:
             raise MujocoError("the last step failed: allowed are restore of a state, and reset of all mjData")
@@ -178,8 +161,7 @@ class CamSimulation:
         self._is_whole = True
 
     def _predict(self, i: int) -> None:
-        """The first half of the step of one mjData, up to the accelerations of its joints without cams and
-        constraints."""
+        """The first half of the step of one mjData, up to its accelerations without cams and constraints."""
         model, data, views = self.model, self.data[i], self._views[i]
         mujoco.mj_step1(model, data)
         if data.time != self._times[i]:
@@ -232,10 +214,7 @@ class CamSimulation:
         """Begin anew with the cams at their joints' present angles, each with the torque nearest to 0 in its
         stick band. Call this after `mujoco.mj_resetData`, or after another change of the state.
 
-        Parameters
-        ----------
-        instances : array_like of int or of bool with shape (count,), optional
-            Numbers of the mjData, or which of them. Default: all.
+        `instances`: numbers of the mjData, or which of them, shape (count,). Default: all.
         """
         chosen = chosen_instances(instances, len(self.data)).astype(bool)
         self._read_joints(chosen)
@@ -252,39 +231,16 @@ class CamSimulation:
             self._times[i] = self.data[i].time
 
     def fleet(self, joint: str) -> Fleet:
-        """The FMUs of the cam on a joint, one instance per mjData.
+        """The FMUs of the cam on a `joint`, one instance per mjData, for `get` and `set`. Do not step it.
 
-        Parameters
-        ----------
-        joint : str
-            Name of the joint.
-
-        Returns
-        -------
-        Fleet
-            For `get`, as in `simulation.fleet("elbow").get("energy.heat_cam1")`, and `set`. Do not step it.
-
-        Raises
-        ------
-        MujocoError
-            The joint has no cam.
+        For example `simulation.fleet("elbow").get("energy.heat_cam1")`. MujocoError: the joint has no cam.
         """
         return self._port(joint).fleet
 
     def set_motor(self, joint: str, torque: ArrayLike) -> None:
-        """The torque of the motor of a DriveTrain, from the next step on.
+        """Set the `torque` of a DriveTrain's motor on the cam [N.m], shape (count,), from the next step on.
 
-        Parameters
-        ----------
-        joint : str
-            Name of the joint.
-        torque : float, or array_like of shape (count,)
-            Torque on the cam [N.m].
-
-        Raises
-        ------
-        MujocoError
-            The joint has no DriveTrain, or a torque is not finite.
+        `joint`: its name. MujocoError: the joint has no DriveTrain, or a torque is not finite.
         """
         port = self._port(joint)
         if not isinstance(port, DrivePort):
@@ -307,13 +263,7 @@ class CamSimulation:
         return found[joint]
 
     def save(self) -> SimulationState:
-        """The whole state of all mjData and their cams now.
-
-        Returns
-        -------
-        SimulationState
-            For `restore`.
-        """
+        """The whole state of all mjData and their cams now, for `restore`."""
         physics = np.empty((len(self.data), mujoco.mj_stateSize(self.model, WHOLE_STATE)))
         for row, data in zip(physics, self.data, strict=True):
             mujoco.mj_getState(self.model, data, row, WHOLE_STATE)
@@ -321,17 +271,9 @@ class CamSimulation:
         return SimulationState(physics, ports, (self.torque.copy(), self._constraint.copy()))
 
     def restore(self, state: SimulationState) -> None:
-        """Go back to a saved state. The run from there on repeats bit for bit.
+        """Go back to a `state` of `save`. The run from there on repeats bit for bit.
 
-        Parameters
-        ----------
-        state : SimulationState
-            From `save` of this simulation.
-
-        Raises
-        ------
-        FmuError
-            The state is of another simulation.
+        FmuError: the state is of another simulation.
         """
         for port, saved in zip(self._ports, state.ports, strict=True):
             port.restore(saved)

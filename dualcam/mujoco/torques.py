@@ -26,26 +26,18 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from dualcam.fmi.reals import Array
+from dualcam.common.arrays import Array
 
 SWEEPS = 200  # most sweeps of the Gauss-Seidel method
 TOLERANCE = 1e-13  # of the largest torque, for the change in a sweep
 
 
 class FreeMotion(NamedTuple):
-    """The ends of the shafts at the joints after a step without the shafts' torques, seen from the cams.
+    """The ends of the shafts at the joints after a step without the shafts' torques, seen from the cams."""
 
-    Parameters
-    ----------
-    angle, speed : ndarray, shape (count, n)
-        Angles [rad] and speeds [rad/s] at the end of the step.
-    mobility : ndarray, shape (count, n, n)
-        Accelerations per torque [rad/s2 per N.m].
-    """
-
-    angle: Array
-    speed: Array
-    mobility: Array
+    angle: Array  # at the end of the step [rad], shape (count, n)
+    speed: Array  # at the end of the step [rad/s], shape (count, n)
+    mobility: Array  # accelerations per torque [rad/s2 per N.m], shape (count, n, n)
 
 
 class ShaftLaw(Protocol):
@@ -57,40 +49,18 @@ class ShaftLaw(Protocol):
         ...
 
     def torque(self, mobility: Array, given: Array | float) -> Array:
-        """The torque on the cam.
-
-        Parameters
-        ----------
-        mobility : ndarray, shape (count,)
-            A_ii [rad/s2 per N.m].
-        given : ndarray, shape (count,), or 0
-            c_i times the sum over the other shafts [N.m].
-
-        Returns
-        -------
-        ndarray, shape (count,)
-            Torque [N.m].
-        """
+        """The torque on the cam [N.m], shape (count,), of a mobility a_ii [rad/s2 per N.m] and c_i times the
+        sum over the other shafts, `given` [N.m]."""
         ...
 
 
 class CamLaw(NamedTuple):
-    """Friction holds the cam at x while the torque is inside the stick band; at an edge the cam slips.
+    """Friction holds the cam at x while the torque is inside the stick band; at an edge the cam slips."""
 
-    Parameters
-    ----------
-    source : ndarray, shape (count,)
-        K (p - x), the torque if the joint did not give way [N.m].
-    coupling : float
-        c of the module's text [N.m.s2/rad].
-    lower, upper : ndarray, shape (count,)
-        Edges of the stick band at x; infinite where a stop carries the cam [N.m].
-    """
-
-    source: Array
-    coupling: float
-    lower: Array
-    upper: Array
+    source: Array  # K (p - x), the torque if the joint did not give way [N.m], shape (count,)
+    coupling: float  # c of the module's text [N.m.s2/rad]
+    lower: Array  # edge of the stick band at x [N.m], shape (count,); infinite where a stop carries the cam
+    upper: Array  # likewise
 
     def torque(self, mobility: Array, given: Array | float) -> Array:
         """The torque on the cam, as `ShaftLaw.torque`."""
@@ -104,33 +74,18 @@ class DriveLaw(NamedTuple):
 
     Within a step the law takes one of the three. A cam that comes to rest during a step moves a little
     beyond what the law says, up to h omega/2.
-
-    Parameters
-    ----------
-    stiffness, damping : float
-        K [N.m/rad] and D [N.m.s/rad] of the shaft.
-    step : float
-        h [s].
-    angle, speed : ndarray
-        p and w minus the angle and the speed of the cam now [rad, rad/s].
-    omega, alpha : ndarray
-        Speed of the cam now [rad/s], and its acceleration without the shaft's torque if it slides [rad/s2].
-    inertia : ndarray
-        J [kg.m2].
-    motor, lower, upper : ndarray
-        The motor's torque, and the edges of the stick band [N.m].
     """
 
-    stiffness: float
-    damping: float
-    step: float
-    angle: Array
-    speed: Array
-    omega: Array
-    alpha: Array
-    inertia: Array
-    motor: Array
-    lower: Array
+    stiffness: float  # K of the shaft [N.m/rad]
+    damping: float  # D of the shaft [N.m.s/rad]
+    step: float  # h [s]
+    angle: Array  # p minus the angle of the cam now [rad]
+    speed: Array  # w minus the speed of the cam now [rad/s]
+    omega: Array  # of the cam now [rad/s]
+    alpha: Array  # of the cam without the shaft's torque if it slides [rad/s2]
+    inertia: Array  # J [kg.m2]
+    motor: Array  # N.m
+    lower: Array  # edges of the stick band [N.m]
     upper: Array
 
     @property
@@ -149,29 +104,13 @@ class DriveLaw(NamedTuple):
         slides_on = self.omega * (self.omega + h * (self.alpha + sliding / self.inertia)) > 0.0
         resting = at_rest / held
         edge = np.minimum(np.maximum(resting, self.lower - self.motor), self.upper - self.motor)
-        breaking_away = (at_rest + yields * edge) / (
-            held + yields
-        )  # as `resting` where that is inside the band
+        breaking_away = (at_rest + yields * edge) / (held + yields)  # `resting` where that is inside the band
         return np.where(slides_on, sliding, breaking_away)
 
 
 def shaft_torques(laws: Sequence[ShaftLaw], mobility: Array, start: Array) -> Array:
-    """The torques that satisfy all laws at once.
-
-    Parameters
-    ----------
-    laws : sequence of ShaftLaw, length n
-        The shafts.
-    mobility : ndarray, shape (count, n, n)
-        Accelerations per torque [rad/s2 per N.m].
-    start : ndarray, shape (count, n)
-        Where the iteration starts: the torques of the last step [N.m].
-
-    Returns
-    -------
-    ndarray, shape (count, n)
-        Torques of the shafts on the cams [N.m].
-    """
+    """The torques of the shafts on the cams [N.m], shape (count, n), that satisfy all laws at once, iterated
+    from `start`. `mobility`: accelerations per torque [rad/s2 per N.m], shape (count, n, n)."""
     if len(laws) == 1:
         return laws[0].torque(mobility[:, 0, 0], 0.0)[:, None]
     torques = start.copy()

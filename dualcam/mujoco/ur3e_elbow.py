@@ -43,37 +43,11 @@ MJCF = """
 def elbow_mjcf(
     payload: float, limits: tuple[float, float], step: float = 2e-3, joint: str = "", option: str = ""
 ) -> str:
-    """The model as text for `mujoco.MjModel.from_xml_string`. Its joints are `elbow` and `wrist_1`.
+    """The model as MJCF for `mujoco.MjModel.from_xml_string`. Its joints are `elbow` and `wrist_1`.
 
-    Parameters
-    ----------
-    payload : float
-        Mass of the payload [kg], > 0.
-    limits : tuple of float
-        Least and largest angle of the elbow from upright [rad].
-    step : float
-        Time step [s].
-    joint : str
-        Further attributes of the elbow's joint, such as `frictionloss="1"`.
-    option : str
-        Further attributes of the options, such as `integrator="implicitfast"`.
-
-    Returns
-    -------
-    str
-        MJCF.
-
-    Examples
-    --------
-    >>> import math
-    >>> import mujoco
-    >>> from dualcam.mujoco.ur3e_elbow import elbow_mjcf
-    >>> model = mujoco.MjModel.from_xml_string(elbow_mjcf(1.5, (0.0, math.pi / 2)))
-    >>> data = mujoco.MjData(model)
-    >>> data.qpos[:] = math.pi / 2, -math.pi / 2  # the arm horizontal, the wrist level
-    >>> mujoco.mj_forward(model, data)
-    >>> round(float(-data.qfrc_bias[0]), 2)  # N.m of gravity
-    9.49
+    `payload`: mass of the payload [kg], > 0. `limits`: least and largest angle of the elbow from upright
+    [rad]. `step`: time step [s]. `joint`: further attributes of the elbow's joint, such as
+    `frictionloss="1"`. `option`: further attributes of the options, such as `integrator="implicitfast"`.
     """
     low, high = limits
     return MJCF.format(

@@ -19,14 +19,10 @@ class CamBody:
 
     Attributes
     ----------
-    outer_radius : float
-        Outer radius.
-    bore_radius : float
-        Radius of the bore; 0: a solid cylinder.
-    floor_radius : float
-        Radius of the groove's floor. Not above the bore: the groove is a slot through the wall.
-    low, high : float
-        Ends of the body along the axis; 0 is the height of the pin's axis at theta = 0.
+    outer_radius : Outer radius.
+    bore_radius : Radius of the bore; 0: a solid cylinder.
+    floor_radius : Radius of the groove's floor. Not above the bore: the groove is a slot through the wall.
+    low, high : Ends of the body along the axis; 0 is the height of the pin's axis at theta = 0.
     """
 
     outer_radius: float
@@ -55,14 +51,12 @@ class CamBody:
         Parameters
         ----------
         cut : GrooveCut
-        depth : float
+        depth
             Length of the pin that bears on the flank [m]. The middle of that length is at the cam's radius,
             where the contact of the model acts. So the floor of the groove is half the depth below.
-        outer_radius : float, optional
-            Outer radius [m]; half the depth above the cam's radius if not given.
-        bore_radius : float, optional
-            Radius of the bore [m]; that of the floor if not given, so that the groove is a slot.
-        length : float, optional
+        outer_radius : Outer radius [m]; half the depth above the cam's radius if not given.
+        bore_radius : Radius of the bore [m]; that of the floor if not given, so that the groove is a slot.
+        length
             Length of the body along the axis [m]; that of the groove and two pin diameters if not given. The
             groove is in the middle.
 
@@ -124,7 +118,7 @@ class CamBody:
         return middle - 0.5 * chosen, middle + 0.5 * chosen
 
     def volume(self, cut: GrooveCut) -> float:
-        """Volume of the body with all its grooves [m3]."""
+        """Volume of the body with all grooves of a `cut` [m3]."""
         from scipy.integrate import simpson
 
         tube = math.pi * (self.outer_radius**2 - self.bore_radius**2) * (self.high - self.low)

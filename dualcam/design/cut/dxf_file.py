@@ -10,7 +10,7 @@ import numpy as np
 
 from dualcam.common.paths import whole_file
 from dualcam.design.cut.groove_cut import Curve, GrooveCut
-from dualcam.design.cut.labels import axis_label, cut_label, zero_label
+from dualcam.design.cut.labels import AXIS_LABEL, ZERO_LABEL, cut_label
 from dualcam.design.cut.sampling import CHORD_ERROR, places, unwrapped
 from dualcam.design.statics import Array, DesignError
 
@@ -122,8 +122,8 @@ def _write_text(drawing: Drawing, cut: GrooveCut) -> None:
     lines = [
         cut_label(cut),
         f"unwrapped at the radius {MM * cut.radius:.6g} mm, seen from outside, units mm",
-        zero_label(),
-        axis_label(),
+        ZERO_LABEL,
+        AXIS_LABEL,
         f"lines are within {1e6 * CHORD_ERROR:g} um of the curves",
     ]
     for k, line in enumerate(lines):

@@ -37,26 +37,19 @@ def export_groove(
 
     Parameters
     ----------
-    mechanism : Mechanism
-        Both grooves and the stops.
-    path : str or Path
+    mechanism : Both grooves and the stops.
+    path
         Name of the file; its ending is the format. `.csv`: points of centre line and flanks in space [m],
         which are also a groove table. `.dxf`: drawing of the unwrapped cylinder [mm]. `.step`: solid of the
-        cam [mm]. With two cams there are two files: `groove_cam1.dxf` and `groove_cam2.dxf` for
-        `groove.dxf`.
-    pin_radius : float
-        Radius of the pin [m].
-    cams : sequence of {1, 2}
-        Which cams.
-    run_out, loading
-        As in `GrooveCut`.
-    depth, outer_radius, bore_radius, length
-        As in `CamBody.around`, for `.step`.
+        cam [mm]. With two cams there are two files: `groove_cam1.dxf` and `groove_cam2.dxf` for `groove.dxf`.
+    pin_radius : Radius of the pin [m].
+    cams : Which cams, 1 or 2.
+    run_out, loading : As in `GrooveCut`.
+    depth, outer_radius, bore_radius, length : As in `CamBody.around`, for `.step`.
 
     Returns
     -------
-    tuple of Path
-        The files.
+    The files.
 
     Raises
     ------
@@ -66,8 +59,7 @@ def export_groove(
 
     Warns
     -----
-    DualcamWarning
-        Two solids that cannot stand inside one another.
+    DualcamWarning : Two solids that cannot stand inside one another.
 
     Examples
     --------
@@ -84,12 +76,9 @@ def export_groove(
     ending = Path(path).suffix.lower()
     require_libraries(path)
     cuts = {cam: GrooveCut(mechanism, cam, pin_radius, run_out, loading) for cam in files}
-    if ending == ".csv":
+    if write := {".csv": write_csv, ".dxf": write_dxf}.get(ending):
         for cam, file in files.items():
-            write_csv(cuts[cam], file)
-    elif ending == ".dxf":
-        for cam, file in files.items():
-            write_dxf(cuts[cam], file)
+            write(cuts[cam], file)
     else:
         if depth is None:
             raise DesignError(

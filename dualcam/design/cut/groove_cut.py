@@ -24,12 +24,8 @@ ROTATIONS = {"counterclockwise": 1, "clockwise": -1}  # of cam 2 while loading, 
 class Curve(NamedTuple):
     """A curve on a cylinder around the cam's axis.
 
-    Attributes
-    ----------
-    psi : ndarray
-        Angle [rad], in the direction in which the pin moves along the groove while loading.
-    z : ndarray
-        Height [m]; 0 is the height of the pin's axis at theta = 0.
+    `psi`: angle [rad], in the direction in which the pin moves along the groove while loading. `z`: height
+    [m]; 0 is the height of the pin's axis at theta = 0.
     """
 
     psi: Array
@@ -39,12 +35,7 @@ class Curve(NamedTuple):
 class Flanks(NamedTuple):
     """Both flanks of a groove on one cylinder.
 
-    Attributes
-    ----------
-    upper : Curve
-        The flank above the pin.
-    lower : Curve
-        The flank below the pin: the flank that carries the spring.
+    `upper`: the flank above the pin. `lower`: the flank below the pin: the flank that carries the spring.
     """
 
     upper: Curve
@@ -55,15 +46,14 @@ class Flanks(NamedTuple):
 class GrooveCut:
     """The groove of one cam, for a pin whose axis is radial.
 
+    Source: docs/cut-grooves.md, which derives the flanks.
+
     Parameters
     ----------
-    mechanism : Mechanism
-        Both grooves and the stops: they say how far the pin moves in each groove.
-    cam : {1, 2}
-        Cam 1 stands still, cam 2 turns.
-    pin_radius : float
-        Radius of the pin [m].
-    run_out : float
+    mechanism : Both grooves and the stops: they say how far the pin moves in each groove.
+    cam : Cam 1 stands still, cam 2 turns, 1 or 2.
+    pin_radius : Radius of the pin [m].
+    run_out
         Length by which the groove goes on beyond both ends of the pin's travel [m], straight at the lead
         angle of that end, also where the groove law goes on. 0: the round ends of the groove touch the pin at
         the stops.
@@ -76,10 +66,6 @@ class GrooveCut:
     DesignError
         A groove that cannot be cut: an undercut flank, a groove that ends before a stop, grooves that run
         into one another, a value outside its range.
-
-    Notes
-    -----
-    Source: docs/cut-grooves.md, which derives the flanks.
 
     Examples
     --------
@@ -156,17 +142,9 @@ class GrooveCut:
         return self.run_out / math.hypot(self.radius, float(self.groove.at(psi).slope))
 
     def centre(self, psi: ArrayLike) -> Point:
-        """The path of the pin's axis.
+        """The height of the path of the pin's axis [m] and its derivatives by `psi` [rad], along the groove.
 
-        Parameters
-        ----------
-        psi : array_like
-            Angle along the groove [rad]. Beyond the stops the path goes on straight.
-
-        Returns
-        -------
-        Point
-            Height [m] and its derivatives by psi, of the shape of `psi`.
+        Beyond the stops the path goes on straight.
         """
         angle = real_array(psi, "psi", DesignError)
         inside = np.clip(angle, *self.travel)
@@ -183,19 +161,10 @@ class GrooveCut:
     # ---- flanks ----
 
     def flanks(self, psi: ArrayLike, radius: float | None = None) -> Flanks:
-        """Where the pin touches both flanks.
+        """The points where the pin touches both flanks, of the shape of `psi`.
 
-        Parameters
-        ----------
-        psi : array_like
-            Angle of the pin's axis along the groove [rad].
-        radius : float, optional
-            Radius of the cylinder on which the flanks are sought [m]; that of the cam if not given.
-
-        Returns
-        -------
-        Flanks
-            Points of the shape of `psi`.
+        `psi`: angle of the pin's axis along the groove [rad]. `radius` of the cylinder on which the flanks
+        are sought [m]; that of the cam if not given.
         """
         angle, point = real_array(psi, "psi", DesignError), self.centre(psi)
         touch = contact(point.slope, self.pin_radius, self.radius if radius is None else radius)
@@ -205,21 +174,11 @@ class GrooveCut:
         )
 
     def round_end(self, at_end: bool, share: ArrayLike, radius: float | None = None) -> Curve:
-        """The round end of the groove: the edge of the pin between its contacts with both flanks.
+        """Points of the groove's round end: the edge of the pin between its contacts with both flanks.
 
-        Parameters
-        ----------
-        at_end : bool
-            True: the end beyond the upper stop. False: the end beyond the lower stop.
-        share : array_like
-            Places along the round end: 0 at the upper flank, 1 at the lower flank.
-        radius : float, optional
-            Radius of the cylinder [m]; that of the cam if not given.
-
-        Returns
-        -------
-        Curve
-            Points of the shape of `share`.
+        They have the shape of `share`: places along the round end, 0 at the upper flank, 1 at the lower.
+        `at_end`: the end beyond the upper stop, else beyond the lower one. `radius` of the cylinder [m]; that
+        of the cam if not given.
         """
         rho = self.radius if radius is None else radius
         psi = self.end if at_end else self.begin
@@ -230,20 +189,10 @@ class GrooveCut:
         return Curve(psi + edge.angle, point.z + edge.height)
 
     def angle(self, psi: ArrayLike, end: int = 0) -> Array:
-        """Angle about the cam's axis.
+        """The angle on the body of the cam [rad], counterclockwise seen from +z, 0 at the mark of the cam.
 
-        Parameters
-        ----------
-        psi : array_like
-            Angle along the groove [rad].
-        end : int
-            Which end of the pin: a pin with two ends has a second groove, half a turn apart.
-
-        Returns
-        -------
-        ndarray
-            Angle on the body of the cam [rad], counterclockwise seen from +z; 0 is the mark of the cam, where
-            the first end of the pin is at theta = 0.
+        At the mark the first end of the pin is at theta = 0. `psi`: angle along the groove [rad]. `end`:
+        which end of the pin: a pin with two ends has a second groove, half a turn apart.
         """
         return self.hand * real_array(psi, "psi", DesignError) + 2.0 * math.pi * end / self.mechanism.contacts
 
@@ -270,8 +219,7 @@ class GrooveCut:
             )
 
     def require_no_undercut(self, radius: float) -> None:
-        """DesignError if a flank folds on the cylinder of this radius [m]. The message names the place and
-        the greatest pin that works."""
+        """DesignError, with the place and the greatest pin that works, if a flank folds at a `radius` [m]."""
         psi = np.linspace(*self.travel, POINTS)
         path = self.centre(psi)
         bend = path.d2z_dpsi2 * radius / np.hypot(radius, path.slope) ** 3
@@ -301,7 +249,7 @@ class GrooveCut:
 
     def require_walls(self, radius: float) -> None:
         """DesignError where the grooves of both ends of the pin, or turns of one groove, run into one another
-        on the cylinder of this radius [m].
+        on the cylinder of a `radius` [m].
 
         Two sections of the pin, at two places, overlap if the middle between the places is inside a section:
         the section is convex and symmetric about its centre."""

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from dualcam.design.cut.groove_cut import GrooveCut
 
+ZERO_LABEL = "angle 0 and z = 0: axis of the pin at theta = 0; the lower flank carries the spring"
+AXIS_LABEL = "+z is up: the pin moves up while the spring is loaded"
+
 
 def cut_label(cut: GrooveCut) -> str:
     """The cam, its grooves and the pin."""
@@ -13,13 +16,3 @@ def cut_label(cut: GrooveCut) -> str:
         f" {'right' if cut.hand > 0 else 'left'}-handed, radial pin of diameter"
         f" {2e3 * cut.pin_radius:.6g} mm, run-out {1e3 * cut.run_out:.6g} mm"
     )
-
-
-def zero_label() -> str:
-    """Where the zeros are, and which flank carries the spring."""
-    return "angle 0 and z = 0: axis of the pin at theta = 0; the lower flank carries the spring"
-
-
-def axis_label() -> str:
-    """Where +z points."""
-    return "+z is up: the pin moves up while the spring is loaded"

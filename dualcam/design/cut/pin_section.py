@@ -1,18 +1,11 @@
 """The section of a radial cylindrical pin on a cylinder around the cam's axis, unwrapped, and where the
-section touches the flanks of its groove.
+section touches the flanks of its groove (docs/cut-grooves.md).
 
-The pin of radius p stands on the axis. A cylinder of radius rho around the axis cuts the pin in a closed
-curve. Unwrapped, with x = rho times the angle from the pin's axis, and z from there,
+With the pin's radius p, the cylinder's rho, q = p/rho, x = rho times the angle from the pin's axis, z from
+there, and the slope s of the path on that cylinder:
 
     x(t) = rho asin(p cos(t)/rho)      z(t) = p sin(t)
-
-The curve is no circle: a tangential distance e in space is an arc rho asin(e/rho) on the cylinder. The pin
-moves along a path of slope s on that cylinder (dz per arc). A point of the section is on a flank where the
-section's tangent has the direction of the path. With q = p/rho:
-
     cos(t) = -+ s sqrt(2/(1 + s^2 + sqrt((1 + s^2)^2 - 4 q^2 s^2)))      - upper flank, + lower flank
-
-docs/cut-grooves.md derives these equations.
 """
 
 from __future__ import annotations
@@ -33,22 +26,7 @@ class Contact(NamedTuple):
 
 
 def contact(slope: ArrayLike, pin_radius: float, radius: ArrayLike) -> Contact:
-    """The point of the pin on the upper flank.
-
-    Parameters
-    ----------
-    slope : array_like
-        dz/dpsi of the path of the pin's axis [m/rad].
-    pin_radius : float
-        Radius p of the pin [m], less than `radius`.
-    radius : array_like
-        Radius rho of the cylinder on which the flank is sought [m].
-
-    Returns
-    -------
-    Contact
-        Of the shape of `slope` and `radius`, broadcast.
-    """
+    """The point of the pin on the upper flank of a path of slope dz/dpsi [m/rad], for arrays."""
     cosine, sine = _direction(slope, pin_radius, radius)
     rho = np.asarray(radius, dtype=float)
     return Contact(np.arcsin(pin_radius * cosine / rho), pin_radius * sine)

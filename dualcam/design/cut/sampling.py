@@ -6,36 +6,19 @@ from collections.abc import Callable
 
 import numpy as np
 
-from dualcam.design.cut.groove_cut import GrooveCut
+from dualcam.design.cut.groove_cut import Curve, GrooveCut
 from dualcam.design.statics import Array, DesignError
 
 CHORD_ERROR = 0.5e-6  # m between a curve and the straight line between two of its points
 SHARES = np.array([0.12, 0.31, 0.5, 0.69, 0.88])  # of an interval, where the error is measured
 MOST_POINTS = 50_000
 
-Curves = Callable[
-    [Array], Array
-]  # psi of shape (n,) -> points of several curves [m], shape (curves, n, 2 or 3)
+# psi of shape (n,) -> points of several curves [m], shape (curves, n, 2 or 3)
+Curves = Callable[[Array], Array]
 
 
 def places(cut: GrooveCut, curves: Curves, most: float = CHORD_ERROR, intervals: int = 1) -> Array:
-    """Angles psi along a groove, both stops among them.
-
-    Parameters
-    ----------
-    cut : GrooveCut
-    curves : callable
-        Gives the points of the curves that are joined by straight lines.
-    most : float
-        Greatest distance of a curve from its line [m].
-    intervals : int
-        Least number of intervals between the stops.
-
-    Returns
-    -------
-    ndarray, shape (n,)
-        psi [rad], increasing.
-    """
+    """Increasing angles psi [rad] with the stops: straight lines between them are at most `most` [m] off."""
     psi = np.unique([cut.begin, *np.linspace(*cut.travel, intervals + 1), cut.end])
     while True:
         coarse = chord_errors(psi, curves) > most
@@ -64,25 +47,17 @@ def chord_errors(psi: Array, curves: Curves) -> Array:
 
 def unwrapped(cut: GrooveCut) -> Curves:
     """Centre line, upper and lower flank on the unwrapped cylinder of the cam's radius."""
-
-    def curves(psi: Array) -> Array:
-        flanks = cut.flanks(psi)
-        lines = ((psi, cut.centre(psi).z), flanks.upper, flanks.lower)
-        return np.array([np.stack([cut.radius * angle, z], axis=-1) for angle, z in lines])
-
-    return curves
+    return lambda psi: np.array([np.stack([cut.radius * u, z], axis=-1) for u, z in _lines(cut, psi)])
 
 
 def wrapped(cut: GrooveCut) -> Curves:
-    """Centre line, upper and lower flank in space, on the cylinder of the cam's radius; of the pin's first
-    end."""
+    """Centre line, upper and lower flank of the pin's first end in space, at the cam's radius."""
+    return lambda psi: np.array([in_space(cut.angle(u), z, cut.radius) for u, z in _lines(cut, psi)])
 
-    def curves(psi: Array) -> Array:
-        flanks = cut.flanks(psi)
-        lines = ((psi, cut.centre(psi).z), flanks.upper, flanks.lower)
-        return np.array([in_space(cut.angle(angle), z, cut.radius) for angle, z in lines])
 
-    return curves
+def _lines(cut: GrooveCut, psi: Array) -> tuple[Curve, Curve, Curve]:
+    """Centre line, upper and lower flank."""
+    return (Curve(psi, cut.centre(psi).z), *cut.flanks(psi))
 
 
 def in_space(angle: Array, z: Array, radius: float) -> Array:

@@ -16,7 +16,7 @@ import numpy as np
 
 from dualcam.design.cut.cam_body import CamBody
 from dualcam.design.cut.groove_cut import Curve, GrooveCut
-from dualcam.design.cut.sampling import SHARES
+from dualcam.design.cut.sampling import SHARES, in_space
 from dualcam.design.statics import Array, DesignError
 
 if TYPE_CHECKING:
@@ -225,8 +225,7 @@ def _spline(nodes: Array, points: Array) -> BSpline:
 
 def _in_space(cut: GrooveCut, curve: Curve, radius: float, end: int) -> Array:
     """Points [mm], shape (n, 3)."""
-    angle = cut.angle(curve.psi, end)
-    return MM * np.stack([radius * np.cos(angle), radius * np.sin(angle), curve.z], axis=-1)
+    return MM * in_space(cut.angle(curve.psi, end), curve.z, radius)
 
 
 def _side_face(cut: GrooveCut, outline: Outline, nodes: Array, radii: Array, end: int) -> TopoDS_Face:

@@ -8,7 +8,7 @@ from typing import Any
 from dualcam.common.version import __version__
 from dualcam.design.cut.cam_body import CamBody
 from dualcam.design.cut.groove_cut import GrooveCut
-from dualcam.design.cut.labels import cut_label, zero_label
+from dualcam.design.cut.labels import ZERO_LABEL, cut_label
 from dualcam.design.cut.solid import cam_solid, require_kernel
 from dualcam.design.statics import DesignError
 
@@ -46,7 +46,7 @@ def _name(model: Any, cut: GrooveCut, path: Path) -> None:  # noqa: ANN401
     header.SetAuthorValue(1, TCollection_HAsciiString(""))
     header.SetOrganizationValue(1, TCollection_HAsciiString(""))
     header.SetOriginatingSystem(TCollection_HAsciiString(f"dualcam {__version__}"))
-    header.SetDescriptionValue(1, TCollection_HAsciiString(f"{cut_label(cut)}; {zero_label()}; units mm"))
+    header.SetDescriptionValue(1, TCollection_HAsciiString(f"{cut_label(cut)}; {ZERO_LABEL}; units mm"))
     for k in range(1, model.NbEntities() + 1):
         product = model.Value(k)
         if isinstance(product, StepBasic_Product):

@@ -58,19 +58,14 @@ class ToleranceAnalysis:
 
     Attributes
     ----------
-    theta : ndarray, shape (n,)
-        Angles [rad].
-    parameters : dict of str to ndarray, shape (samples,)
-        The drawn values by name.
-    quantities : dict of str to Propagation
+    theta : Angles [rad], shape (n,).
+    parameters : The drawn values by name, shape (samples,).
+    quantities
         "load" and "release" [N.m]: edges of the stick band. "efficiency" [1]: release over load. "z" [m]:
         height of the pin. "backlash" [rad]: play of cam 2 where the axial force changes its sign.
-    yields : tuple of Yield
-        One for each limit.
-    total_yield : Yield or None
-        All limits at once; None without limits.
-    locking, jamming : float
-        Share of the samples that lock themselves, or that no torque loads, at some angle.
+    yields : One for each limit.
+    total_yield : All limits at once; None without limits.
+    locking, jamming : Share of the samples that lock themselves, or that no torque loads, at some angle.
     """
 
     theta: Array
@@ -86,31 +81,14 @@ class ToleranceAnalysis:
         return self.quantities[quantity]
 
     def nearest(self, angle: float) -> int:
-        """Place of the angle in `theta` that is nearest to an angle.
-
-        Parameters
-        ----------
-        angle : float
-            Angle [rad].
-
-        Returns
-        -------
-        int
-        """
+        """Place in `theta` of the angle that is nearest to an `angle` [rad]."""
         return int(np.argmin(np.abs(self.theta - angle)))
 
     def budget_table(self, quantity: str, angle: float) -> str:
         """The first-order budget at one angle as text, with the Monte Carlo result below.
 
-        Parameters
-        ----------
-        quantity : {"load", "release", "efficiency", "z", "backlash"}
-        angle : float
-            Angle [rad]; the nearest analysed angle counts.
-
-        Returns
-        -------
-        str
+        `quantity`: "load", "release", "efficiency", "z" or "backlash". `angle` [rad]; the nearest analysed
+        angle counts.
         """
         found, k = self[quantity], self.nearest(angle)
         budget, unit = found.budget, UNITS[quantity]
@@ -140,13 +118,7 @@ class ToleranceAnalysis:
         return "\n".join(lines)
 
     def draw_band(self, axes: Axes) -> None:
-        """The edges of the stick band over the angle: median, and between the outer percentiles an area.
-
-        Parameters
-        ----------
-        axes : matplotlib.axes.Axes
-            Where the band is drawn.
-        """
+        """The edges of the stick band in `axes`: median, and between the outer percentiles an area."""
         degrees = np.degrees(self.theta)
         for name, colour in (("load", "C0"), ("release", "C1")):
             found = self.quantities[name]
@@ -160,16 +132,9 @@ class ToleranceAnalysis:
         axes.legend()
 
     def draw_budget(self, axes: Axes, angle: float, quantities: Sequence[str] = ("load", "release")) -> None:
-        """Contributions to the variance at one angle, as bars.
+        """Contributions of the `quantities` to the variance at one angle, as bars in `axes`.
 
-        Parameters
-        ----------
-        axes : matplotlib.axes.Axes
-            Where the bars are drawn.
-        angle : float
-            Angle [rad]; the nearest analysed angle counts.
-        quantities : sequence of str
-            Which quantities.
+        `angle` [rad]; the nearest analysed angle counts.
         """
         k, names = self.nearest(angle), self.quantities["load"].budget.names
         places, width = np.arange(len(names)), 0.8 / len(quantities)
@@ -198,28 +163,25 @@ def analyse(
 ) -> ToleranceAnalysis:
     """The torque band of slow motion under tolerances.
 
+    Monte Carlo: JCGM 101:2008. First-order budget: JCGM 100:2008. Physics: docs/mechanism.md, sections 2 and
+    3, and for the clearance docs/design-tolerances.md.
+
     Parameters
     ----------
-    design : Mechanism or DesignFile
+    design
         The nominal mechanism. Parameters without a tolerance keep its values. The friction of a design file
         with `friction_peak` is the static one.
-    tolerances : sequence of Tolerance
+    tolerances
         Independent distributions of `cam1.radius`, `cam1.lead_angle`, `cam1.ellipse_a`, `cam1.ellipse_b`,
         `cam1.friction`, likewise cam2, `spring.preload`, `spring.stiffness`, `spring.stiffness2`,
         `spring.stiffness3`; and of `cam1.clearance` [m], width of the groove less diameter of the pin, and
         `cam1.groove_scale` [1], the factor on all heights of the groove.
-    angles : int or array_like, shape (n,)
-        How many angles, evenly over the range, or the angles [rad].
-    samples : int
-        Mechanisms of the Monte Carlo method.
-    seed : int
-        Start of the random numbers. The same seed gives the same mechanisms.
-    limits : sequence of Limit
-        What a good mechanism keeps.
-    percentiles : sequence of float
-        Percentages, 0 to 100.
-    confidence : float
-        Probability of the intervals of the yields.
+    angles : How many angles, evenly over the range, or the angles [rad], shape (n,).
+    samples : Mechanisms of the Monte Carlo method.
+    seed : Start of the random numbers. The same seed gives the same mechanisms.
+    limits : What a good mechanism keeps.
+    percentiles : Percentages, 0 to 100.
+    confidence : Probability of the intervals of the yields.
 
     Returns
     -------
@@ -231,11 +193,6 @@ def analyse(
         Unknown names, a distribution with values that are not allowed, grooves that end inside the range, a
         spring that pulls, a mechanism that jams at the means, or other bad arguments. The message names the
         value and what is allowed.
-
-    Notes
-    -----
-    Monte Carlo: JCGM 101:2008. First-order budget: JCGM 100:2008. Physics: docs/mechanism.md, sections 2
-    and 3, and for the clearance docs/design-tolerances.md.
 
     Examples
     --------

@@ -21,17 +21,9 @@ Bound = float | Sequence[float] | Array | Callable[[Array], Array | float]
 class Limit:
     """Allowed values of one quantity at all angles.
 
-    Parameters
-    ----------
-    quantity : {"load", "release", "efficiency", "z", "backlash"}
-        A quantity of the analysis.
-    least, most : float, array_like of shape (n,), or function, optional
-        Bounds in the quantity's unit: one number, a value for each angle, or a function of the angles [rad].
-
-    Raises
-    ------
-    DesignError
-        Another quantity, no bound, or a least value above the most.
+    `quantity`: a quantity of the analysis, one of "load", "release", "efficiency", "z", "backlash". `least`,
+    `most`: bounds in the quantity's unit: one number, a value for each angle, or a function of the angles
+    [rad], shape (n,). DesignError: another quantity, no bound, or a least value above the most.
 
     Examples
     --------
@@ -64,23 +56,10 @@ class Limit:
         return f"{self.quantity} {' and '.join(words)}"
 
     def holds(self, values: Array, theta: Array) -> NDArray[np.bool_]:
-        """Which samples are inside the limit at all angles.
+        """Which samples are inside the limit at all angles, shape (samples,).
 
-        Parameters
-        ----------
-        values : ndarray, shape (samples, n)
-            The quantity.
-        theta : ndarray, shape (n,)
-            Angles [rad].
-
-        Returns
-        -------
-        ndarray of bool, shape (samples,)
-
-        Raises
-        ------
-        DesignError
-            A bound that is no number at some angle, or has another shape.
+        `values`: the quantity, shape (samples, n). `theta`: angles [rad], shape (n,). DesignError: a bound
+        that is no number at some angle, or has another shape.
         """
         good = ~np.isnan(values)
         if self.least is not None:
@@ -117,14 +96,11 @@ class Yield:
 
     Attributes
     ----------
-    label : str
-        Which limit.
-    good, samples : int
-        Samples inside the limit, and all samples.
-    interval : tuple of float
+    label : Which limit.
+    good, samples : Samples inside the limit, and all samples.
+    interval
         Where the share of good mechanisms is with the probability `confidence`, by Clopper and Pearson.
-    confidence : float
-        Probability of the interval.
+    confidence : Probability of the interval.
     """
 
     label: str
@@ -149,22 +125,9 @@ class Yield:
 def yield_of(good: NDArray[np.bool_], label: str, confidence: float = 0.95) -> Yield:
     """The share of good mechanisms with its interval.
 
-    Parameters
-    ----------
-    good : ndarray of bool, shape (samples,)
-        Which independent samples are good.
-    label : str
-        Which limit.
-    confidence : float
-        Probability of the interval.
-
-    Returns
-    -------
-    Yield
-
-    Notes
-    -----
-    Source: C. J. Clopper, E. S. Pearson, Biometrika 26 (1934); `scipy.stats.binomtest`.
+    `good`: which independent samples are good, shape (samples,). `label` of the limit. `confidence`:
+    probability of the interval. Source: C. J. Clopper, E. S. Pearson, Biometrika 26 (1934);
+    `scipy.stats.binomtest`.
     """
     count = int(np.sum(good))
     found = binomtest(count, len(good)).proportion_ci(confidence, method="exact")

@@ -41,14 +41,10 @@ class Budget:
 
     Attributes
     ----------
-    names : tuple of str
-        The tolerances, shape (k,).
-    value : ndarray, shape (n,)
-        The quantity at the means.
-    sensitivity : ndarray, shape (k, n)
-        Derivatives c_j of the quantity, in its unit over that of the tolerance.
-    part : ndarray, shape (k, n)
-        Signed parts c_j u_j of the standard uncertainty, in the quantity's unit.
+    names : The tolerances, shape (k,).
+    value : The quantity at the means, shape (n,).
+    sensitivity : Derivatives c_j of the quantity, in its unit over that of the tolerance, shape (k, n).
+    part : Signed parts c_j u_j of the standard uncertainty, in the quantity's unit, shape (k, n).
     """
 
     names: tuple[str, ...]
@@ -74,14 +70,10 @@ class Propagation:
 
     Attributes
     ----------
-    values : ndarray, shape (samples, n)
-        The quantity in each sample of the Monte Carlo method.
-    levels : tuple of float
-        Percentages of `percentiles`.
-    percentiles : ndarray, shape (levels, n)
-        Percentiles of the values.
-    budget : Budget
-        The same to first order.
+    values : The quantity in each sample of the Monte Carlo method, shape (samples, n).
+    levels : Percentages of `percentiles`.
+    percentiles : Percentiles of the values, shape (levels, n).
+    budget : The same to first order.
     """
 
     values: Array
@@ -100,29 +92,13 @@ class Propagation:
         return np.asarray(self.values.std(axis=0, ddof=1))
 
     def percentile_interval(self, level: float, confidence: float = 0.95) -> tuple[Array, Array]:
-        """Where the true percentile is: the limited number of samples makes the percentile uncertain.
+        """The lower and upper end, shape (n,) each, of where the true percentile is.
 
-        Parameters
-        ----------
-        level : float
-            Percentage, such as 97.5.
-        confidence : float
-            Probability that the interval holds the true percentile.
-
-        Returns
-        -------
-        tuple of ndarray
-            Lower and upper end, shape (n,) each.
-
-        Raises
-        ------
-        DesignError
-            A percentage outside 0 to 100, a confidence outside 0 to 1, or too few samples.
-
-        Notes
-        -----
-        By order statistics: the number of samples below the percentile is binomial for every distribution.
-        Source: H. A. David, H. N. Nagaraja, Order Statistics (2003), section 7.1.
+        `level`: percentage, such as 97.5. `confidence`: probability that the interval, which a limited number
+        of samples leaves, holds the true percentile. DesignError: a percentage outside 0 to 100, a confidence
+        outside 0 to 1, or too few samples. By order statistics: the number of samples below the percentile is
+        binomial for every distribution. Source: H. A. David, H. N. Nagaraja, Order Statistics (2003), section
+        7.1.
         """
         from scipy.stats import binom
 
@@ -140,30 +116,14 @@ class Propagation:
         return ordered[low], ordered[high]
 
     def agrees(self, digits: int = 1, coverage: float = 0.95) -> NDArray[np.bool_]:
-        """Whether the first-order budget may be used instead of Monte Carlo.
+        """Whether the first-order budget may be used instead of Monte Carlo, shape (n,).
 
-        Parameters
-        ----------
-        digits : int
-            Significant digits of the standard uncertainty that count.
-        coverage : float
-            Coverage probability of the interval that is compared.
-
-        Returns
-        -------
-        ndarray of bool, shape (n,)
-            Whether both ends of the coverage interval are those of a normal distribution around the value at
-            the means, within half a unit of the last digit that counts.
-
-        Raises
-        ------
-        DesignError
-            No whole number of digits from 1 on, or a coverage outside 0 to 1.
-
-        Notes
-        -----
-        Source: JCGM 101:2008, 7.9.2 and clause 8. With 10,000 samples the ends of the interval are known to
-        about 3 % of the standard uncertainty: enough for one digit, not for two.
+        Both ends of the coverage interval are those of a normal distribution around the value at the means,
+        within half a unit of the last digit that counts. `digits`: significant digits of the standard
+        uncertainty that count. `coverage` probability of the interval that is compared. DesignError: no whole
+        number of digits from 1 on, or a coverage outside 0 to 1. Source: JCGM 101:2008, 7.9.2 and clause 8.
+        With 10,000 samples the ends of the interval are known to about 3 % of the standard uncertainty:
+        enough for one digit, not for two.
         """
         if not isinstance(digits, int) or digits < 1:
             raise DesignError(f"digits = {digits!r}: allowed is a whole number, 1 or more")
@@ -188,30 +148,12 @@ def propagate(
 ) -> Propagation:
     """Any function of parameters under tolerances.
 
-    Parameters
-    ----------
-    model : function
-        Takes a dict of the parameters by name, each an array of shape (m,), and returns the quantity of shape
-        (m,) or (m, n). NumPy operations that also take complex numbers; `abs`, `maximum` and comparisons of
-        complex numbers have no derivative.
-    tolerances : sequence of Tolerance
-        Independent distributions. Any names, as the model has them.
-    samples : int
-        Samples of the Monte Carlo method.
-    seed : int
-        Start of the random numbers. The same seed gives the same numbers.
-    percentiles : sequence of float
-        Percentages, 0 to 100.
-
-    Returns
-    -------
-    Propagation
-
-    Raises
-    ------
-    DesignError
-        Bad arguments; a model that fails, that returns another shape, NaN, or no complex numbers for complex
-        numbers.
+    `model`: takes a dict of the parameters by name, each an array of shape (m,), and returns the quantity of
+    shape (m,) or (m, n). NumPy operations that also take complex numbers; `abs`, `maximum` and comparisons of
+    complex numbers have no derivative. `tolerances`: independent distributions. Any names, as the model has
+    them. `samples` of the Monte Carlo method. `seed`: start of the random numbers. The same seed gives the
+    same numbers. `percentiles`: percentages, 0 to 100. DesignError: bad arguments; a model that fails, that
+    returns another shape, NaN, or no complex numbers for complex numbers.
 
     Examples
     --------

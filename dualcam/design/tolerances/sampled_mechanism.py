@@ -1,20 +1,13 @@
 """The torque band of many mechanisms at once: each parameter is an array over samples.
 
-Clearance. The groove is wider than the pin by the clearance c. The groove law is the centre of the groove.
-The axial force presses the pin onto the lower flank of both grooves, in both directions of motion. So the
-centre of the pin is at the distance e = c/2 below the centre of the groove, along the normal:
+The axial force presses the pin onto the lower flank of both grooves, so its centre is e = clearance/2 below
+the centre of the groove, along the normal (docs/design-tolerances.md):
 
     psi_i = u_i + (e_i/r_i) sin lambda_i     z = g_i(u_i) - e_i cos lambda_i     tan lambda_i = g_i'(u_i)/r_i
 
-with u_i the angle along the centre of the groove. The slope dz/dpsi is that of the centre at u_i. Unknown are
-u_1 and u_2, from psi_1 + psi_2 = theta and z_1 = z_2. The play opens where the axial force changes its sign:
-the pin crosses to the other flank of both grooves. The backlash is the angle by which cam 2 turns meanwhile
-at the same z; for helices
-
-    backlash = c_1/(r_1 sin lambda_1) + c_2/(r_2 sin lambda_2)
-
-Complex parameters give derivatives: the angles u are solved for the real parts, and Newton's step from there
-has the exact imaginary part.
+Unknown are u_1 and u_2, from psi_1 + psi_2 = theta and z_1 = z_2. The backlash is the angle by which cam 2
+turns at the same z while the pin crosses to the other flanks. Complex parameters give derivatives: u is
+solved for the real parts, and Newton's step from there has the exact imaginary part.
 """
 
 from __future__ import annotations
@@ -92,25 +85,13 @@ def allowed(name: str) -> tuple[float, float, str]:
 
 @dataclass(frozen=True, eq=False)
 class SampledBand:
-    """Quantities of many mechanisms over the angle, each of shape (samples, n).
+    """Quantities of many mechanisms over the angle, each of shape (samples, n)."""
 
-    Attributes
-    ----------
-    load, release : ndarray
-        Edges of the stick band [N.m]: +inf where a mechanism jams, release <= 0 where it locks itself.
-    efficiency : ndarray
-        release over load [1].
-    z : ndarray
-        Height of the pin [m].
-    backlash : ndarray
-        Play of cam 2 where the axial force changes its sign [rad].
-    """
-
-    load: Array
-    release: Array
-    efficiency: Array
-    z: Array
-    backlash: Array
+    load: Array  # edge of the stick band [N.m], +inf where a mechanism jams
+    release: Array  # likewise, <= 0 where a mechanism locks itself
+    efficiency: Array  # release over load [1]
+    z: Array  # height of the pin [m]
+    backlash: Array  # play of cam 2 where the axial force changes its sign [rad]
 
 
 QUANTITIES = tuple(field.name for field in fields(SampledBand))
@@ -181,26 +162,8 @@ class _Flank:
 
 
 def sampled_band(mechanism: Mechanism, values: Values, theta: Array) -> SampledBand:
-    """The torque band of each sample.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        Nominal values of all other parameters, and the groove laws.
-    values : Mapping of str to ndarray, shape (samples,)
-        Parameters by name. Complex values give complex results.
-    theta : ndarray, shape (n,)
-        Angles [rad].
-
-    Returns
-    -------
-    SampledBand
-
-    Raises
-    ------
-    DesignError
-        Samples whose grooves do not reach to an angle.
-    """
+    """The torque band of each sample at the angles `theta`, of parameters `values`, complex ones too.
+    DesignError: grooves that do not reach to an angle."""
     first, second = (_SampledGroove(groove, i, values) for i, groove in enumerate(mechanism.grooves, 1))
     one, two = _settle(first, second, values, theta)
 

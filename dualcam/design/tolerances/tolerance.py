@@ -32,11 +32,10 @@ class Tolerance:
 
     Parameters
     ----------
-    name : str or sequence of str
+    name
         Parameter, such as `"cam1.friction"`. Several names share each value: `("cam1.friction",
         "cam2.friction")` are two contacts with one grease.
-    distribution : frozen distribution of scipy.stats
-        Such as `scipy.stats.norm(0.14, 0.01)`, in the unit of the parameter.
+    distribution : Such as `scipy.stats.norm(0.14, 0.01)`, in the unit of the parameter.
 
     Raises
     ------
@@ -81,23 +80,10 @@ class Tolerance:
     def named(cls, name: str | Sequence[str], distribution: str, **numbers: float) -> Tolerance:
         """A tolerance by the name of a distribution of scipy.stats.
 
-        Parameters
-        ----------
-        name : str or sequence of str
-            Parameter, or parameters that share each value.
-        distribution : str
-            Name of a continuous distribution of scipy.stats, such as "norm", "uniform", "lognorm".
-        **numbers : float
-            Its numbers by SciPy's names, such as `loc` and `scale`.
-
-        Returns
-        -------
-        Tolerance
-
-        Raises
-        ------
-        DesignError
-            An unknown distribution, or numbers that this distribution does not have.
+        `name`: parameter, or parameters that share each value. `distribution`: name of a continuous
+        distribution of scipy.stats, such as "norm", "uniform", "lognorm". `**numbers`: its numbers by SciPy's
+        names, such as `loc` and `scale`. DesignError: an unknown distribution, or numbers that this
+        distribution does not have.
 
         Examples
         --------
@@ -129,31 +115,13 @@ class Tolerance:
     def within(cls, name: str | Sequence[str], low: float, high: float, shape: str = "normal") -> Tolerance:
         """A tolerance from the limits on a drawing.
 
-        Parameters
-        ----------
-        name : str or sequence of str
-            Parameter, or parameters that share each value.
-        low, high : float
-            Least and greatest value of the parameter, in its unit. Not deviations: 20 mm +- 0.02 mm has the
-            limits 0.01998 and 0.02002.
-        shape : {"normal", "uniform", "triangular"}
-            "normal": a normal distribution whose limits are three standard deviations from the middle; parts
-            beyond the limits are sorted out. "uniform": nothing but the limits is known. "triangular": the
-            middle is more likely.
-
-        Returns
-        -------
-        Tolerance
-
-        Raises
-        ------
-        DesignError
-            Limits that are no numbers or do not grow, or another shape.
-
-        Notes
-        -----
-        Source: JCGM 100:2008 (GUM), 4.3.7 and 4.3.9: the standard uncertainty of half-width a is a/sqrt(3)
-        for "uniform" and a/sqrt(6) for "triangular".
+        `name`: parameter, or parameters that share each value. `low`, `high`: least and greatest value of the
+        parameter, in its unit. Not deviations: 20 mm +- 0.02 mm has the limits 0.01998 and 0.02002. `shape`:
+        "normal": the limits are three standard deviations from the middle; parts beyond them are sorted out.
+        "uniform": nothing but the limits is known. "triangular": the middle is more likely. DesignError:
+        limits that are no numbers or do not grow, or another shape. Source: JCGM 100:2008 (GUM), 4.3.7 and
+        4.3.9: the standard uncertainty of half-width a is a/sqrt(3) for "uniform" and a/sqrt(6) for
+        "triangular".
 
         Examples
         --------
@@ -203,19 +171,9 @@ class Tolerance:
         return float(self.distribution.std())
 
     def require_inside(self, least: float, greatest: float, allowed: str) -> None:
-        """Refuse a distribution of which more than a share of 1e-9 lies outside the allowed values.
+        """DesignError for a distribution of which more than a share of 1e-9 lies outside the allowed values.
 
-        Parameters
-        ----------
-        least, greatest : float
-            Allowed values.
-        allowed : str
-            The allowed values in words.
-
-        Raises
-        ------
-        DesignError
-            With the share outside.
+        `least`, `greatest`: allowed values. `allowed`: the allowed values in words.
         """
         below = float(self.distribution.cdf(np.nextafter(least, -np.inf))) if math.isfinite(least) else 0.0
         above = float(self.distribution.sf(greatest)) if math.isfinite(greatest) else 0.0
@@ -236,17 +194,11 @@ class Tolerance:
     def warn_without(self, name: str, nominal: float) -> None:
         """Warn if the nominal value of a parameter is no value of the distribution.
 
-        Parameters
-        ----------
-        name : str
-            One of the parameters.
-        nominal : float
-            Value of the design.
+        `name`: one of the parameters. `nominal`: value of the design.
 
         Warns
         -----
-        UnitWarning
-            With both, and the likely unit.
+        UnitWarning : With both, and the likely unit.
         """
         low, high = map(float, self.distribution.support())
         low = low if math.isfinite(low) else float(self.distribution.ppf(RARE))
@@ -263,29 +215,10 @@ class Tolerance:
 
 
 def draw(tolerances: Sequence[Tolerance], samples: int, seed: int) -> dict[str, Array]:
-    """Independent values of all parameters.
+    """Independent values of all parameters by name, shape (samples,), whatever tolerances come later.
 
-    Parameters
-    ----------
-    tolerances : sequence of Tolerance
-    samples : int
-    seed : int
-        Start of the random numbers. The values of a tolerance do not depend on the tolerances after it.
-
-    Returns
-    -------
-    dict of str to ndarray, shape (samples,)
-        By the name of the parameter.
-
-    Raises
-    ------
-    DesignError
-        A name in two tolerances, a number of samples outside 2 to 1e7, a seed that is no whole number >= 0.
-
-    Notes
-    -----
-    By the inverse of the distribution function (JCGM 101:2008, C.2): the same seed gives the same values with
-    every version of SciPy.
+    By the inverse of the distribution function (JCGM 101:2008, C.2), a seed gives the same values with every
+    SciPy.
     """
     check_names(tolerances)
     if not is_whole(samples) or not 2 <= samples <= MOST_SAMPLES:
@@ -307,8 +240,7 @@ def means(tolerances: Sequence[Tolerance]) -> dict[str, float]:
 
 
 def complex_steps(tolerances: Sequence[Tolerance], step: float) -> dict[str, NDArray[Any]]:
-    """The means, shape (tolerances,) for each name; in row j tolerance j has the imaginary part `step` times
-    its standard uncertainty."""
+    """The means by name; in row j tolerance j has the imaginary part `step` times its uncertainty."""
     found = {name: np.full(len(tolerances), mean, complex) for name, mean in means(tolerances).items()}
     for row, tolerance in enumerate(tolerances):
         for name in tolerance.names:

@@ -13,7 +13,7 @@ from __future__ import annotations
 import time as clock
 from collections.abc import Mapping
 from itertools import pairwise
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
 
@@ -29,18 +29,7 @@ class Load(Protocol):
     """A load by its angle."""
 
     def torque(self, theta: float, /) -> float:
-        """The torque of the load.
-
-        Parameters
-        ----------
-        theta : float
-            Angle of the axis [rad].
-
-        Returns
-        -------
-        float
-            Torque [N.m], + in the direction of theta.
-        """
+        """The torque of the load [N.m], + in the direction of theta. `theta`: angle of the axis [rad]."""
         ...
 
 
@@ -55,21 +44,10 @@ class AxisController(Protocol):
         next_reference: tuple[float, float],
         /,
     ) -> float:
-        """The motor's torque for the coming period.
+        """The torque of the motor at the output [N.m] for the coming period.
 
-        Parameters
-        ----------
-        angle, speed : float
-            Measured state [rad, rad/s].
-        reference : tuple of float
-            Planned angle [rad] and speed [rad/s] at the beginning of the period.
-        next_reference : tuple of float
-            Planned angle and speed at the end of the period.
-
-        Returns
-        -------
-        float
-            Torque of the motor at the output [N.m].
+        `angle`, `speed`: measured state [rad, rad/s]. `reference`, `next_reference`: planned angle [rad] and
+        speed [rad/s] at the beginning and at the end of the period.
         """
         ...
 
@@ -77,14 +55,8 @@ class AxisController(Protocol):
 class CamGear(NamedTuple):
     """How an axis drives the cam: theta = ratio (angle - offset), tau = torque/ratio.
 
-    With ratio < 0 the cam turns against the axis. All methods take one float or an array.
-
-    Parameters
-    ----------
-    ratio : float
-        Angle of the cam over that of the axis [1], not 0.
-    offset : float
-        Angle of the axis at theta = 0 [rad].
+    With ratio < 0 the cam turns against the axis. All methods take one float or an array. `ratio`: angle of
+    the cam over that of the axis [1], not 0. `offset`: angle of the axis at theta = 0 [rad].
 
     Examples
     --------
@@ -98,71 +70,22 @@ class CamGear(NamedTuple):
     offset: float = 0.0
 
     def cam_angle(self, angle: Number) -> Number:
-        """The angle of the cam.
-
-        Parameters
-        ----------
-        angle : float or ndarray
-            Angle of the axis [rad].
-
-        Returns
-        -------
-        float or ndarray
-            theta [rad].
-        """
+        """The angle theta of the cam [rad] at an `angle` of the axis [rad]."""
         return self.ratio * (angle - self.offset)
 
     def cam_torque(self, torque: Number) -> Number:
-        """The torque on the cam.
-
-        Parameters
-        ----------
-        torque : float or ndarray
-            Torque on the axis [N.m].
-
-        Returns
-        -------
-        float or ndarray
-            tau [N.m].
-        """
+        """The torque tau on the cam [N.m] of a `torque` on the axis [N.m]."""
         return torque / self.ratio
 
     def angle(self, theta: Number) -> Number:
-        """The angle of the axis.
-
-        Parameters
-        ----------
-        theta : float or ndarray
-            Angle of the cam [rad].
-
-        Returns
-        -------
-        float or ndarray
-            Angle [rad].
-        """
+        """The angle of the axis [rad] at an angle `theta` of the cam [rad]."""
         return self.offset + theta / self.ratio
 
 
 def angle_amid(angle: Number, speed: Number, size: float) -> Number:
-    """The angle at half of a step, at which a load acts that is held over the step.
+    """The angle [rad] at half of a step, at which a load acts that is held over the step.
 
-    Parameters
-    ----------
-    angle, speed : float or ndarray
-        State at the beginning of the step [rad, rad/s].
-    size : float
-        Length of the step [s].
-
-    Returns
-    -------
-    float or ndarray
-        Angle [rad].
-
-    Examples
-    --------
-    >>> from dualcam.systems.blocks.axis import angle_amid
-    >>> angle_amid(0.5, 2.0, 0.25)
-    0.75
+    `angle`, `speed`: state at the beginning of the step [rad, rad/s]. `size`: length of the step [s].
     """
     return angle + 0.5 * size * speed
 
@@ -171,15 +94,8 @@ class CamAxis:
     """The forward FMU as an axis with its own angle: theta = ratio (angle - offset).
 
     A torque on the axis acts as tau = torque/ratio on the cam. With ratio < 0 the cam turns against the axis.
-
-    Parameters
-    ----------
-    fmu : Fmu
-        The forward FMU.
-    ratio : float
-        Angle of the cam over that of the axis [1], not 0.
-    offset : float
-        Angle of the axis at theta = 0 [rad].
+    `fmu`: the forward FMU. `ratio`: angle of the cam over that of the axis [1], not 0. `offset`: angle of the
+    axis at theta = 0 [rad].
 
     Examples
     --------
@@ -205,17 +121,8 @@ class CamAxis:
     def start(self, parameters: Mapping[str, Scalar], angle: float, speed: float = 0.0) -> None:
         """Begin a run.
 
-        Parameters
-        ----------
-        parameters : mapping of str to float, int, bool or str
-            Start values of the FMU.
-        angle, speed : float
-            State of the axis [rad, rad/s].
-
-        Raises
-        ------
-        FmuError
-            The FMU refuses a value.
+        `parameters`: start values of the FMU. `angle`, `speed`: state of the axis [rad, rad/s]. FmuError: the
+        FMU refuses a value.
         """
         state = {"initial.theta": self.gear.cam_angle(angle)}
         if speed != 0.0:
@@ -224,29 +131,11 @@ class CamAxis:
         self._read_state()
 
     def step(self, torque: float, load: Load, size: float) -> float:
-        """Advance by a step under the motor's torque and the load.
+        """Advance by a step under the motor's torque and the load. Returns the torque of the load [N.m].
 
         Both torques are held over the step, the load's at the angle that the axis reaches at half of the
-        step.
-
-        Parameters
-        ----------
-        torque : float
-            Torque of the motor on the axis [N.m].
-        load : Load
-            The load on the axis.
-        size : float
-            Length of the step [s].
-
-        Returns
-        -------
-        float
-            Torque of the load [N.m].
-
-        Raises
-        ------
-        FmuError
-            The FMU refuses the step.
+        step. `torque` of the motor on the axis [N.m]. `load` on the axis. `size`: length of the step [s].
+        FmuError: the FMU refuses the step.
         """
         load_torque = load.torque(angle_amid(self.angle, self.speed, size))
         self.set_torque(torque + load_torque)
@@ -254,41 +143,20 @@ class CamAxis:
         return load_torque
 
     def set_torque(self, torque: float) -> None:
-        """Set the torque on the axis from now on.
-
-        Parameters
-        ----------
-        torque : float
-            Torque [N.m].
-        """
+        """Set the `torque` on the axis [N.m] from now on."""
         self._tau.values[0] = self.gear.cam_torque(torque)
         self._tau.write()
 
     def acceleration(self) -> float:
-        """The angular acceleration of the axis now.
-
-        Returns
-        -------
-        float
-            Acceleration [rad/s2].
-        """
+        """The angular acceleration of the axis now [rad/s2]."""
         return self._alpha.read()[0] / self.gear.ratio
 
     def advance(self, size: float, derivatives: tuple[float, ...] = ()) -> None:
         """Advance by a step. The torque is held, or a polynomial of time.
 
-        Parameters
-        ----------
-        size : float
-            Length of the step [s].
-        derivatives : tuple of float
-            First, second and third time derivative of the torque at the beginning of the step [N.m/s, N.m/s2,
-            N.m/s3], as many as there are. Empty: the torque is held.
-
-        Raises
-        ------
-        FmuError
-            The FMU refuses the step.
+        `size`: length of the step [s]. `derivatives`: first, second and third time derivative of the torque
+        at the beginning of the step [N.m/s, N.m/s2, N.m/s3], as many as there are. Empty: the torque is held.
+        FmuError: the FMU refuses the step.
         """
         for order, derivative in enumerate(derivatives, start=1):
             self._tau.write_derivatives(order, [self.gear.cam_torque(derivative)])
@@ -296,24 +164,12 @@ class CamAxis:
         self._read_state()
 
     def ledger(self) -> Array:
-        """The FMU's energy accounts since the start.
-
-        Returns
-        -------
-        ndarray, shape (8,)
-            Accounts [J] in the order of LEDGER; valid until the next call.
-        """
+        """The FMU's energy accounts since the start [J], in LEDGER's order; valid until the next call."""
         self._ledger.read()
         return self._ledger.values
 
     def largest_pin_force(self) -> float:
-        """The largest normal force at one pin of cam 1 since the start.
-
-        Returns
-        -------
-        float
-            Force [N].
-        """
+        """The largest normal force at one pin of cam 1 since the start [N]."""
         return self.fmu.real("peak.reaction1")
 
     def _read_state(self) -> None:
@@ -324,12 +180,7 @@ class CamAxis:
 class Recorder:
     """Collects a Record period by period.
 
-    Parameters
-    ----------
-    periods : int
-        Number of control periods of the run.
-    period : float
-        Control period [s].
+    `periods`: number of control periods of the run. `period`: control period [s].
     """
 
     def __init__(self, periods: int, period: float) -> None:
@@ -344,21 +195,12 @@ class Recorder:
     ) -> None:
         """Add a period.
 
-        Parameters
-        ----------
-        axis : CamAxis
-            The axis at the end of the period.
-        command : float
-            Torque asked of the motor [N.m].
-        motor : MotorPeriod
-            What the motor did.
-        load_torque : float
-            Torque of the load [N.m].
-        before : float
-            Angle of the axis at the beginning of the period [rad].
+        `axis`: the axis at the end of the period. `command`: torque asked of the motor [N.m]. `motor`: what
+        the motor did. `load_torque`: torque of the load [N.m]. `before`: angle of the axis at the beginning
+        of the period [rad].
         """
         advance = axis.angle - before
-        self._rows[self._count] = (
+        self._rows[self._count] = (  # in the order of the fields of Record
             axis.angle,
             axis.speed,
             command,
@@ -373,35 +215,11 @@ class Recorder:
         self._count += 1
 
     def record(self, reference: Array) -> Record:
-        """The run so far.
-
-        Parameters
-        ----------
-        reference : ndarray, shape (n,)
-            Planned angle at the ends of the periods [rad].
-
-        Returns
-        -------
-        Record
-            One entry per period.
-        """
+        """The run so far. `reference`: planned angle at the ends of the periods [rad], shape (n,)."""
         wall_time = clock.perf_counter() - self._begin
-        return Record(
-            period=self._period,
-            time=self._period * np.arange(1, self._count + 1, dtype=float),
-            reference=reference,
-            angle=self._rows[:, 0],
-            speed=self._rows[:, 1],
-            command=self._rows[:, 2],
-            motor_torque=self._rows[:, 3],
-            peak_torque=self._rows[:, 4],
-            motor_heat=self._rows[:, 5],
-            supply_energy=self._rows[:, 6],
-            motor_work=self._rows[:, 7],
-            load_work=self._rows[:, 8],
-            ledger={name: self._ledger[:, i] for i, name in enumerate(LEDGER)},
-            wall_time=wall_time,
-        )
+        time = self._period * np.arange(1, self._count + 1, dtype=float)
+        rest: list[Any] = [*self._rows.T, dict(zip(LEDGER, self._ledger.T, strict=True)), wall_time]
+        return Record(self._period, time, reference, *rest)
 
 
 def simulate_closed_loop(
@@ -417,29 +235,24 @@ def simulate_closed_loop(
 
     Parameters
     ----------
-    axis : CamAxis
-        The axis, started.
-    load : Load
-        The load on the axis.
-    controller : AxisController
-        Is asked once per control period.
-    current_loop : CurrentLoop
-        The motor under its current loop; gives the control period.
-    reference : tuple of two ndarray, shape (n + 1,) each
-        Angle [rad] and speed [rad/s] at the beginning of each control period and at the end of the last one.
-    mean_speed : bool
+    axis : The axis, started.
+    load : The load on the axis.
+    controller : Is asked once per control period.
+    current_loop : The motor under its current loop; gives the control period.
+    reference
+        Angle [rad] and speed [rad/s] at the beginning of each control period and at the end of the last one,
+        shape (n + 1,) each.
+    mean_speed
         Whether the current loop gets the measured speed plus half the planned change, the mean of the period.
         With the measured speed alone, energies from the supply are off by O(period).
 
     Returns
     -------
-    Record
-        One entry per control period.
+    One entry per control period.
 
     Raises
     ------
-    FmuError
-        The FMU refuses a step.
+    FmuError : The FMU refuses a step.
 
     Examples
     --------

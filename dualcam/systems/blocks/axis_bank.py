@@ -17,17 +17,9 @@ class Loads(Protocol):
     """The loads of many axes by their angles."""
 
     def torque(self, theta: Array, /) -> Array:
-        """The torques of the loads.
+        """The torques of the loads [N.m], + in the direction of theta, shape (count,).
 
-        Parameters
-        ----------
-        theta : ndarray, shape (count,)
-            Angles of the axes [rad].
-
-        Returns
-        -------
-        ndarray, shape (count,)
-            Torques [N.m], + in the direction of theta.
+        `theta`: angles of the axes [rad], shape (count,).
         """
         ...
 
@@ -37,15 +29,12 @@ class AxisBank:
 
     Parameters
     ----------
-    count : int
-        Number of axes.
-    parameters : mapping of str to value
-        Start values of the FMU: one value for all axes, or an array of shape (count,).
+    count : Number of axes.
+    parameters : Start values of the FMU: one value for all axes, or an array of shape (count,).
 
     Attributes
     ----------
-    angle, speed : ndarray, shape (count,)
-        State of the axes [rad, rad/s].
+    angle, speed : State of the axes [rad, rad/s], shape (count,).
 
     Examples
     --------
@@ -79,17 +68,8 @@ class AxisBank:
     def start(self, angle: Array, speed: Array, parameters: Mapping[str, FleetValue]) -> None:
         """Begin a new run of all axes.
 
-        Parameters
-        ----------
-        angle, speed : ndarray, shape (count,)
-            State at the beginning [rad, rad/s].
-        parameters : mapping of str to value
-            Start values that replace earlier ones.
-
-        Raises
-        ------
-        FleetError
-            The FMU refuses a start value.
+        `angle`, `speed`: state at the beginning [rad, rad/s], shape (count,). `parameters`: start values that
+        replace earlier ones. FleetError: the FMU refuses a start value.
         """
         self._fleet.reset(parameters={**parameters, "initial.theta": angle, "initial.omega": speed})
         self.angle, self.speed = angle, speed
@@ -97,19 +77,8 @@ class AxisBank:
     def step(self, torque: Array, loads: Loads, size: float) -> None:
         """One step of all axes, with torques that are constant over the step.
 
-        Parameters
-        ----------
-        torque : ndarray, shape (count,)
-            Torques of the motors [N.m].
-        loads : Loads
-            The loads, held over the step at the angle amid the step.
-        size : float
-            Length of the step [s].
-
-        Raises
-        ------
-        FleetError
-            The FMU refuses the step of an axis.
+        `torque`: torques of the motors [N.m], shape (count,). `loads`: the loads, held over the step at the
+        angle amid the step. `size`: length of the step [s]. FleetError: the FMU refuses the step of an axis.
         """
         self._tau[:, 0] = torque + loads.torque(angle_amid(self.angle, self.speed, size))
         self._read(self._fleet.step(self._tau, size, self._state))

@@ -20,14 +20,10 @@ class MotorPeriod(Generic[Number]):
 
     Parameters
     ----------
-    torque : float or ndarray, shape (count,)
-        Torque at the output, mean [N.m].
-    peak_torque : float or ndarray, shape (count,)
-        Torque at the output, largest magnitude [N.m].
-    heat : float or ndarray, shape (count,)
-        Heat in the winding, the integral of R i^2 [J].
-    energy : float or ndarray, shape (count,)
-        Energy from the supply, the integral of v i [J].
+    torque : Torque at the output, mean [N.m], float or shape (count,).
+    peak_torque : Torque at the output, largest magnitude [N.m], float or shape (count,).
+    heat : Heat in the winding, the integral of R i^2 [J], float or shape (count,).
+    energy : Energy from the supply, the integral of v i [J], float or shape (count,).
     """
 
     torque: Number
@@ -52,14 +48,10 @@ class CurrentLoop:
 
     Parameters
     ----------
-    motor : Motor
-        The motor, which starts without current.
-    bandwidth : float
-        Bandwidth of the current loop [Hz].
-    rate : float
-        Samples of the current loop [Hz].
-    control_period : float
-        Period of the outer loop [s].
+    motor : The motor, which starts without current.
+    bandwidth : Bandwidth of the current loop [Hz].
+    rate : Samples of the current loop [Hz].
+    control_period : Period of the outer loop [s].
 
     Examples
     --------
@@ -90,19 +82,10 @@ class CurrentLoop:
         self.integral_voltage: Any = 0.0  # V, the PI's integral part
 
     def run(self, torque: Number, speed: Number) -> MotorPeriod[Number]:
-        """Run one control period.
+        """Run one control period. Returns what the motor did.
 
-        Parameters
-        ----------
-        torque : float or ndarray, shape (count,)
-            Torque asked for at the output [N.m]; larger ones than the motor's peak torque are cut.
-        speed : float or ndarray, shape (count,)
-            Speed of the output [rad/s].
-
-        Returns
-        -------
-        MotorPeriod
-            What the motor did.
+        `torque` asked for at the output [N.m], float or shape (count,); larger ones than the motor's peak
+        torque are cut. `speed` of the output [rad/s], float or shape (count,).
         """
         motor = self.motor
         torque = limited(torque, -motor.peak_torque, motor.peak_torque)

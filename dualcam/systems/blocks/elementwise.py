@@ -18,92 +18,21 @@ Number = TypeVar("Number", float, Array)
 
 
 def sine(angle: Number) -> Number:
-    """The sine.
-
-    Parameters
-    ----------
-    angle : float or ndarray
-        Angle [rad].
-
-    Returns
-    -------
-    float or ndarray
-        Its sine.
-
-    Examples
-    --------
-    >>> from dualcam.systems.blocks.elementwise import sine
-    >>> sine(0.0)
-    0.0
-    """
+    """The sine of an `angle` [rad]."""
     return np.sin(angle) if isinstance(angle, np.ndarray) else math.sin(angle)
 
 
 def cosine(angle: Number) -> Number:
-    """The cosine.
-
-    Parameters
-    ----------
-    angle : float or ndarray
-        Angle [rad].
-
-    Returns
-    -------
-    float or ndarray
-        Its cosine.
-
-    Examples
-    --------
-    >>> from dualcam.systems.blocks.elementwise import cosine
-    >>> cosine(0.0)
-    1.0
-    """
+    """The cosine of an `angle` [rad]."""
     return np.cos(angle) if isinstance(angle, np.ndarray) else math.cos(angle)
 
 
 def extremes(kind: Number) -> tuple[Callable[..., Number], Callable[..., Number]]:
-    """The functions min and max of two values.
-
-    Parameters
-    ----------
-    kind : float or ndarray
-        A value as they will get.
-
-    Returns
-    -------
-    tuple of two callables
-        min and max, of NumPy where `kind` is an array.
-
-    Examples
-    --------
-    >>> from dualcam.systems.blocks.elementwise import extremes
-    >>> least, most = extremes(1.0)
-    >>> least(1.0, 2.0), most(1.0, 2.0)
-    (1.0, 2.0)
-    """
+    """The functions min and max of two values, those of NumPy where `kind` is an array."""
     return (np.minimum, np.maximum) if isinstance(kind, np.ndarray) else (min, max)
 
 
 def limited(value: Number, lowest: Number | float, highest: Number | float) -> Number:
-    """The value, cut at both limits.
-
-    Parameters
-    ----------
-    value : float or ndarray
-        The value.
-    lowest, highest : float or ndarray
-        The limits.
-
-    Returns
-    -------
-    float or ndarray
-        Of the shape of the value.
-
-    Examples
-    --------
-    >>> from dualcam.systems.blocks.elementwise import limited
-    >>> limited(3.0, -1.0, 2.0)
-    2.0
-    """
+    """The `value`, cut at the limits `lowest` and `highest`."""
     least, most = extremes(value)
     return least(most(value, lowest), highest)

@@ -20,20 +20,13 @@ class EllipticalCam:
 
     Parameters
     ----------
-    radius : float
-        Radius of both cams [m].
-    lead_angle : float
-        Lead angle at theta = 0 [rad].
-    ellipse_a : float
-        Semi-axis along the circumference [m].
-    ellipse_b : float
-        Semi-axis along z [m].
-    friction : float
-        Coulomb coefficient of both contacts [1].
-    stiffness : float
-        Stiffness of the spring [N/m].
-    release_damping : float
-        Linear damper while the spring is released [N.s/m].
+    radius : Radius of both cams [m].
+    lead_angle : Lead angle at theta = 0 [rad].
+    ellipse_a : Semi-axis along the circumference [m].
+    ellipse_b : Semi-axis along z [m].
+    friction : Coulomb coefficient of both contacts [1].
+    stiffness : Stiffness of the spring [N/m].
+    release_damping : Linear damper while the spring is released [N.s/m].
 
     Examples
     --------
@@ -58,38 +51,17 @@ class EllipticalCam:
         return Ellipse(self.radius, self.lead_angle, self.ellipse_a, self.ellipse_b, -1)
 
     def slope_and_height(self, theta: Array) -> tuple[Array, Array]:
-        """The geometry of the groove along theta.
-
-        Parameters
-        ----------
-        theta : ndarray
-            Angle [rad].
-
-        Returns
-        -------
-        tuple of two ndarray, of the shape of theta
-            Tangent of the lead angle [1], and z [m].
-        """
+        """Tangent of the lead angle [1] and z [m] at `theta` [rad], of the shape of theta."""
         point = self.groove.at(0.5 * theta)
         return point.slope / self.radius, point.z
 
     def torque(self, theta: Array, omega: Array) -> Array:
-        """The torque against +theta during motion.
+        """The torque against +theta during motion [N.m], of the shape of theta.
 
         The pin bears on the flank that the axial force F presses it to, so friction acts with the sign of
         omega F.
 
-        Parameters
-        ----------
-        theta : ndarray
-            Angle [rad].
-        omega : ndarray, of the shape of theta
-            Speed [rad/s], not zero.
-
-        Returns
-        -------
-        ndarray, of the shape of theta
-            Torque [N.m].
+        `theta`: angle [rad]. `omega`: speed [rad/s], not zero, of the shape of theta.
         """
         point = self.groove.at(0.5 * theta)
         speed = 0.5 * point.slope * omega
@@ -99,28 +71,11 @@ class EllipticalCam:
         return force * np.where(omega * force > 0.0, against, along)
 
     def with_damping_scaled(self, factor: float) -> EllipticalCam:
-        """The same cam with another damper.
-
-        Parameters
-        ----------
-        factor : float
-            Factor of the damping [1].
-
-        Returns
-        -------
-        EllipticalCam
-            With `factor` times the damping.
-        """
+        """The same cam with `factor` times the damping [1]."""
         return replace(self, release_damping=self.release_damping * factor)
 
     def parameters(self) -> dict[str, float]:
-        """The same mechanism as start values of the FMU.
-
-        Returns
-        -------
-        dict of str to float
-            Values by name, in SI units.
-        """
+        """The same mechanism as start values of the FMU by name, in SI units."""
         values: dict[str, float] = {
             "spring.preload": 0.0,
             "spring.stiffness": self.stiffness,

@@ -17,14 +17,8 @@ class GravityLoad(Generic[Number]):
     """A mass on an arm, or many of them: a pendulum that leans from upright at theta = 0 and falls as theta
     grows.
 
-    Parameters
-    ----------
-    moment : float or ndarray, shape (count,)
-        Mass times distance of its centre from the axis [kg.m].
-    lean : float or ndarray, shape (count,)
-        Lean from upright at theta = 0 [rad].
-    gravity : float
-        Acceleration of gravity [m/s2].
+    `moment`: mass times distance of its centre from the axis [kg.m], float or shape (count,). `lean` from
+    upright at theta = 0 [rad], float or shape (count,). `gravity`: acceleration of gravity [m/s2].
 
     Examples
     --------
@@ -39,55 +33,20 @@ class GravityLoad(Generic[Number]):
     gravity: float = 9.81
 
     def torque(self, theta: Number) -> Number:
-        """The torque of the weight about the axis.
-
-        Parameters
-        ----------
-        theta : float or ndarray, shape (count,)
-            Angle [rad].
-
-        Returns
-        -------
-        float or ndarray, shape (count,)
-            Torque [N.m], + in the direction of theta.
-        """
+        """The torque of the weight about the axis [N.m], + in the direction of `theta` [rad]."""
         return self.moment * self.gravity * sine(self.lean + theta)
 
     def energy(self, theta: Number) -> Number:
-        """The potential energy of the weight.
-
-        Parameters
-        ----------
-        theta : float or ndarray, shape (count,)
-            Angle [rad].
-
-        Returns
-        -------
-        float or ndarray, shape (count,)
-            Energy [J], 0 with the arm horizontal.
-        """
+        """The potential energy of the weight [J] at `theta` [rad], 0 with the arm horizontal."""
         return self.moment * self.gravity * cosine(self.lean + theta)
 
 
 def hinged_load(mass: float, hinge: tuple[Array, Array], centre: Array, up: Array) -> GravityLoad:
     """The weight of a body about a tilted hinge, as an equivalent pendulum.
 
-    Parameters
-    ----------
-    mass : float
-        Mass of the body [kg].
-    hinge : tuple of two ndarray, shape (3,) each
-        Two points of the hinge's axis [m]; theta is right-handed about the vector from the first to the
-        second.
-    centre : ndarray, shape (3,)
-        The body's centre of mass at theta = 0 [m].
-    up : ndarray, shape (3,)
-        The upward vertical, a unit vector, in the same axes.
-
-    Returns
-    -------
-    GravityLoad
-        The equivalent pendulum.
+    `mass` of the body [kg]. `hinge`: two points of the hinge's axis [m], shape (3,) each; theta is
+    right-handed about the vector from the first to the second. `centre`: the body's centre of mass at theta =
+    0 [m], shape (3,). `up`: the upward vertical in the same axes, a unit vector, shape (3,).
 
     Notes
     -----
@@ -103,20 +62,9 @@ def hinged_load(mass: float, hinge: tuple[Array, Array], centre: Array, up: Arra
 
 
 def vertical_in_car(pitch: float, roll: float) -> Array:
-    """The upward vertical in the car's axes (x to the rear, y to the right, z to the roof).
+    """The upward vertical in the car's axes (x to the rear, y to the right, z to the roof), shape (3,).
 
-    Parameters
-    ----------
-    pitch, roll : float
-        Angles of the car [rad]; `pitch` > 0 lifts the nose, `roll` > 0 lifts the right side.
-
-    Returns
-    -------
-    ndarray, shape (3,)
-        Unit vector.
-
-    Notes
-    -----
-    The car is turned by R_x(roll) R_y(pitch). The vertical is the last row of that matrix.
+    `pitch`, `roll`: angles of the car [rad]; `pitch` > 0 lifts the nose, `roll` > 0 lifts the right side. The
+    car is turned by R_x(roll) R_y(pitch). The vertical is the last row of that matrix.
     """
     return np.array([-math.cos(roll) * math.sin(pitch), math.sin(roll), math.cos(roll) * math.cos(pitch)])

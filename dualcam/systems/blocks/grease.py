@@ -1,25 +1,11 @@
 """Grease whose viscosity falls with the temperature, and the friction in a groove that follows from it.
 
-The base oil obeys Vogel's law, with the temperature T [K]:
+docs/use-temperature.md explains Vogel's law, from two viscosities of a data sheet and the line of ASTM D341
+through both, and the friction that keeps its shape over viscosity times speed (Hersey number):
 
-    eta(T) = A exp(B/(T - C))
-
-The friction coefficient of a lubricated contact under a given load depends on the product of viscosity and
-sliding speed (Hersey number eta v/p). The FMU's law over the sliding speed v (docs/mechanism.md, section 9)
-keeps its shape over eta v, so two of its coefficients move with the temperature:
-
-    mu(v, T) = mu_k [1 + (peak - 1) exp(-(v/v_s)^delta)] + mu_v v
+    eta(T) = A exp(B/(T - C))                         log10(log10(nu + 0.7)) = a - b log10(T)
     v_s(T) = v_s(40 degC) eta(40 degC)/eta(T)         the Stribeck velocity: the thinner the oil, the faster
     mu_v(T) = mu_v(40 degC) eta(T)/eta(40 degC)       the slope of the lubricated branch
-
-The static and the kinetic coefficient are those of the boundary layer and stay as they are.
-
-The three constants of Vogel's law come from two numbers of a data sheet, the kinematic viscosities at 40 and
-100 degC. The third point is that at 0 degC on the straight line of ASTM D341 through both:
-
-    log10(log10(nu + 0.7)) = a - b log10(T)        nu in mm2/s
-
-Between 0 and 120 degC both laws differ by 2 % at most. The density is taken as constant.
 
 Sources: H. Vogel, Physikalische Zeitschrift 22 (1921); ASTM D341; M. D. Hersey, The laws of lubrication of
 horizontal journal bearings, Journal of the Washington Academy of Sciences 4 (1914).
@@ -32,8 +18,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
-import numpy as np
-
+from dualcam.design.statics import is_number
 from dualcam.errors import DesignError
 
 CELSIUS = 273.15  # K, 0 degC
@@ -44,30 +29,10 @@ COLDEST, HOTTEST = CELSIUS, CELSIUS + 120.0  # K, where the law is used
 
 
 def check_number(name: str, value: float, least: float, unit: str, *, above: bool = False) -> None:
-    """Refuse a value that is not finite or too small.
+    """Refuse with a DesignError a value that is not finite or too small.
 
-    Parameters
-    ----------
-    name : str
-        What the value is, for the message.
-    value : float
-        The value.
-    least : float
-        The least allowed value.
-    unit : str
-        Unit of the value, for the message.
-    above : bool
-        Whether the least value itself is refused, too.
-
-    Raises
-    ------
-    DesignError
-        The value is refused.
-
-    Examples
-    --------
-    >>> from dualcam.systems.blocks.grease import check_number
-    >>> check_number("density", 880.0, 0.0, "kg/m3", above=True)
+    `name` and `unit` of the `value` are for the message. `least`: the least allowed value; `above`: refuse
+    this one, too.
     """
     if not _is_finite(value) or value < least or (above and value == least):
         sign = ">" if above else ">="
@@ -77,29 +42,13 @@ def check_number(name: str, value: float, least: float, unit: str, *, above: boo
 
 def _is_finite(value: object) -> bool:
     """Whether a value is a finite number, and no text or truth value."""
-    number = isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool)
-    return number and math.isfinite(value)  # type: ignore[arg-type]
+    return is_number(value) and math.isfinite(value)  # type: ignore[arg-type]
 
 
 def check_temperature(name: str, value: float) -> None:
-    """Refuse a temperature that is no number, or so low that degrees Celsius are meant.
+    """DesignError for a `value` [K] that is no number, or so low that degrees Celsius are meant.
 
-    Parameters
-    ----------
-    name : str
-        What the value is, for the message.
-    value : float
-        The temperature [K].
-
-    Raises
-    ------
-    DesignError
-        The value is refused.
-
-    Examples
-    --------
-    >>> from dualcam.systems.blocks.grease import check_temperature
-    >>> check_temperature("air", 278.15)
+    `name`: what the value is, for the message.
     """
     if _is_finite(value) and value < LOWEST_AIR:
         raise DesignError(
@@ -113,19 +62,9 @@ def check_temperature(name: str, value: float) -> None:
 class BaseOil:
     """The base oil of a grease, from its data sheet.
 
-    Parameters
-    ----------
-    viscosity_40 : float
-        Kinematic viscosity at 40 degC [mm2/s].
-    viscosity_100 : float
-        Kinematic viscosity at 100 degC [mm2/s], above 1 and below that at 40 degC.
-    density : float
-        Density [kg/m3].
-
-    Raises
-    ------
-    DesignError
-        A value is not finite or not in its range.
+    `viscosity_40`: kinematic viscosity at 40 degC [mm2/s]. `viscosity_100`: kinematic viscosity at 100 degC
+    [mm2/s], above 1 and below that at 40 degC. `density` [kg/m3]. DesignError: a value is not finite or not
+    in its range.
 
     Examples
     --------
@@ -163,22 +102,9 @@ class BaseOil:
         return float(10.0 ** (10.0 ** (at_40 + share * (at_100 - at_40))) - 0.7)
 
     def viscosity(self, temperature: float) -> float:
-        """Dynamic viscosity by Vogel's law.
+        """Dynamic viscosity by Vogel's law [Pa.s].
 
-        Parameters
-        ----------
-        temperature : float
-            Temperature [K], from 0 to 120 degC.
-
-        Returns
-        -------
-        float
-            Viscosity [Pa.s].
-
-        Raises
-        ------
-        DesignError
-            The temperature is outside that range.
+        `temperature` [K], from 0 to 120 degC. DesignError: the temperature is outside that range.
         """
         check_temperature("temperature", temperature)
         if not COLDEST <= temperature <= HOTTEST:
@@ -190,22 +116,9 @@ class BaseOil:
         return a * math.exp(b / (temperature - c))
 
     def relative_viscosity(self, temperature: float) -> float:
-        """Viscosity over that at 40 degC.
+        """Viscosity over that at 40 degC: eta(T)/eta(40 degC) [1].
 
-        Parameters
-        ----------
-        temperature : float
-            Temperature [K], from 0 to 120 degC.
-
-        Returns
-        -------
-        float
-            eta(T)/eta(40 degC) [1].
-
-        Raises
-        ------
-        DesignError
-            The temperature is outside that range.
+        `temperature` [K], from 0 to 120 degC. DesignError: the temperature is outside that range.
         """
         return self.viscosity(temperature) / self.viscosity(REFERENCE)
 
@@ -216,21 +129,15 @@ class GreasedContact:
 
     Parameters
     ----------
-    oil : BaseOil
-        The base oil of the grease.
-    kinetic : float
-        Kinetic coefficient mu_k of the boundary layer [1].
-    peak : float
-        Static over kinetic coefficient [1].
-    stribeck_velocity : float
-        v_s at 40 degC [m/s].
-    viscous : float
-        Slope mu_v of the lubricated branch at 40 degC [s/m].
+    oil : The base oil of the grease.
+    kinetic : Kinetic coefficient mu_k of the boundary layer [1].
+    peak : Static over kinetic coefficient [1].
+    stribeck_velocity : v_s at 40 degC [m/s].
+    viscous : Slope mu_v of the lubricated branch at 40 degC [s/m].
 
     Raises
     ------
-    DesignError
-        A value is not finite or too small.
+    DesignError : A value is not finite or too small.
 
     Examples
     --------
@@ -253,67 +160,28 @@ class GreasedContact:
         check_number("viscous", self.viscous, 0.0, "s/m")
 
     def law(self, temperature: float) -> tuple[float, float]:
-        """The two coefficients that move with the temperature.
+        """The Stribeck velocity [m/s] and the slope of the lubricated branch [s/m], which follow the
+        temperature.
 
-        Parameters
-        ----------
-        temperature : float
-            Temperature [K], from 0 to 120 degC.
-
-        Returns
-        -------
-        tuple of float
-            Stribeck velocity [m/s] and slope of the lubricated branch [s/m].
-
-        Raises
-        ------
-        DesignError
-            The temperature is outside that range.
+        `temperature` [K], from 0 to 120 degC. DesignError: the temperature is outside that range.
         """
         ratio = self.oil.relative_viscosity(temperature)
         return self.stribeck_velocity / ratio, self.viscous * ratio
 
     def coefficient(self, speed: float, temperature: float) -> float:
-        """The friction coefficient of a sliding contact.
+        """The friction coefficient of a sliding contact: mu(v, T) [1].
 
-        Parameters
-        ----------
-        speed : float
-            Sliding speed [m/s], >= 0; 0: at rest.
-        temperature : float
-            Temperature [K], from 0 to 120 degC.
-
-        Returns
-        -------
-        float
-            mu(v, T) [1].
-
-        Raises
-        ------
-        DesignError
-            The temperature is outside that range.
+        `speed`: sliding speed [m/s], >= 0; 0: at rest. `temperature` [K], from 0 to 120 degC. DesignError:
+        the temperature is outside that range.
         """
         stribeck_velocity, viscous = self.law(temperature)
         fall = math.exp(-((speed / stribeck_velocity) ** 2))
         return self.kinetic * (1.0 + (self.peak - 1.0) * fall) + viscous * speed
 
     def parameters(self, temperature: float) -> Mapping[str, float]:
-        """The FMU's parameters for both grooves.
+        """The FMU's parameters for both grooves, by name.
 
-        Parameters
-        ----------
-        temperature : float
-            Temperature [K], from 0 to 120 degC.
-
-        Returns
-        -------
-        mapping of str to float
-            Values by the names of the FMU's parameters.
-
-        Raises
-        ------
-        DesignError
-            The temperature is outside that range.
+        `temperature` [K], from 0 to 120 degC. DesignError: the temperature is outside that range.
         """
         stribeck_velocity, viscous = self.law(temperature)
         values = {

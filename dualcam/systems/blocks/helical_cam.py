@@ -22,16 +22,11 @@ class HelicalCam:
 
     Parameters
     ----------
-    radius : tuple of float
-        Radii of cams 1 and 2 [m].
-    lead_angle : tuple of float
-        Lead angles [rad].
-    friction : tuple of float
-        Coulomb coefficients [1].
-    preload : float
-        Force of the spring at theta = 0 [N].
-    stiffness : float
-        Stiffness of the spring [N/m].
+    radius : Radii of cams 1 and 2 [m].
+    lead_angle : Lead angles [rad].
+    friction : Coulomb coefficients [1].
+    preload : Force of the spring at theta = 0 [N].
+    stiffness : Stiffness of the spring [N/m].
 
     Examples
     --------
@@ -86,62 +81,21 @@ class HelicalCam:
         return (1.0 - self.efficiency) / (1.0 + self.efficiency)
 
     def band(self, theta: float) -> tuple[float, float]:
-        """The stick band.
-
-        Parameters
-        ----------
-        theta : float
-            Angle [rad].
-
-        Returns
-        -------
-        tuple of float
-            The torques [N.m] that just release and just load; between them the cam rests.
-        """
+        """The stick band at `theta` [rad]: torques [N.m] that just release and just load."""
         force = self.preload + self.stiffness * self.dz_dtheta * theta
         return self.release_arm * force, self.load_arm * force
 
     def torque(self, theta: float, direction: float) -> float:
-        """The torque of slow motion.
-
-        Parameters
-        ----------
-        theta : float
-            Angle [rad].
-        direction : float
-            > 0 loads, else releases.
-
-        Returns
-        -------
-        float
-            Torque [N.m].
-        """
+        """The torque of slow motion [N.m] at `theta` [rad]. `direction` > 0 loads, else releases."""
         release, load = self.band(theta)
         return load if direction > 0.0 else release
 
     def with_friction_scaled(self, factor: float) -> HelicalCam:
-        """The same cam with another friction, as in a controller with that error.
-
-        Parameters
-        ----------
-        factor : float
-            Factor of both coefficients [1].
-
-        Returns
-        -------
-        HelicalCam
-            With `factor` times the friction.
-        """
+        """The same cam with `factor` times the friction, as in a controller with that error."""
         return replace(self, friction=(factor * self.friction[0], factor * self.friction[1]))
 
     def parameters(self) -> dict[str, float]:
-        """The same mechanism as start values of the FMU.
-
-        Returns
-        -------
-        dict of str to float
-            Values by name, in SI units.
-        """
+        """The same mechanism as start values of the FMU by name, in SI units."""
         values = {"spring.preload": self.preload, "spring.stiffness": self.stiffness}
         for i in (0, 1):
             values[f"cam{i + 1}.radius"] = self.radius[i]
@@ -153,28 +107,12 @@ class HelicalCam:
 def fit_spring(
     cam: HelicalCam, load: Callable[[float], float], lower: float, upper: float, points: int = 400
 ) -> HelicalCam:
-    """The spring that puts the middle of the stick band on a load, by least squares.
+    """The cam with the spring that puts the middle of the stick band on a load, by least squares.
 
-    Parameters
-    ----------
-    cam : HelicalCam
-        The cam; its spring is not used.
-    load : callable
-        Wanted torque [N.m] by theta [rad], not 0.
-    lower, upper : float
-        Ends of the range [rad].
-    points : int
-        Number of angles.
-
-    Returns
-    -------
-    HelicalCam
-        `cam` with the spring.
-
-    Notes
-    -----
-    The middle is affine in theta, so both unknowns enter linearly. The deviation is weighted by 1/load: the
-    width of the band grows with the torque that it carries, and only inside the band a load is held for free.
+    `cam`: its spring is not used. `load`: wanted torque [N.m] by theta [rad], not 0. `lower`, `upper`: ends
+    of the range [rad]. `points`: number of angles. The middle is affine in theta, so both unknowns enter
+    linearly. The deviation is weighted by 1/load: the width of the band grows with the torque that it
+    carries, and only inside the band a load is held for free.
     """
     theta = np.linspace(lower, upper, points)
     wanted = np.array([load(angle) for angle in theta])
@@ -186,21 +124,9 @@ def fit_spring(
 
 
 def holding_torque(band: tuple[float, float], weight: float, margin: float) -> float:
-    """The smallest torque that keeps a load inside the stick band.
+    """The smallest torque [N.m], added to the load's, that keeps a load inside the stick band.
 
-    Parameters
-    ----------
-    band : tuple of float
-        Edges of the band [N.m].
-    weight : float
-        Torque of the load [N.m].
-    margin : float
-        Distance from both edges [N.m].
-
-    Returns
-    -------
-    float
-        Torque that is to be added to the load's [N.m].
+    `band`: edges [N.m]. `weight`: torque of the load [N.m]. `margin`: distance from both edges [N.m].
 
     Examples
     --------

@@ -13,12 +13,7 @@ from dualcam.common.moved import old_names
 class ImpedanceController:
     """A virtual spring and damper between a joint and its reference motion.
 
-    Parameters
-    ----------
-    stiffness : float
-        Stiffness of the virtual spring [N.m/rad].
-    damping : float
-        Coefficient of the virtual damper [N.m.s/rad].
+    `stiffness` of the virtual spring [N.m/rad]. `damping`: coefficient of the virtual damper [N.m.s/rad].
 
     Examples
     --------
@@ -32,40 +27,15 @@ class ImpedanceController:
 
     @classmethod
     def tuned(cls, inertia: float, frequency: float, damping_ratio: float) -> ImpedanceController:
-        """The impedance for an inertia.
+        """The impedance for an `inertia` of the joint [kg.m2].
 
-        Parameters
-        ----------
-        inertia : float
-            Inertia of the joint [kg.m2].
-        frequency : float
-            Natural frequency of the inertia on the virtual spring [Hz].
-        damping_ratio : float
-            Damping ratio [1].
-
-        Returns
-        -------
-        ImpedanceController
-            With this frequency and damping ratio.
+        `frequency`: natural frequency of the inertia on the virtual spring [Hz]. `damping_ratio` [1].
         """
         rate = 2.0 * math.pi * frequency
         return cls(rate**2 * inertia, 2.0 * damping_ratio * rate * inertia)
 
     def torque(self, error: float, rate: float) -> float:
-        """The torque for an error, which is actual minus wanted.
-
-        Parameters
-        ----------
-        error : float
-            Error of the angle [rad].
-        rate : float
-            Error of the speed [rad/s].
-
-        Returns
-        -------
-        float
-            Torque [N.m].
-        """
+        """The torque [N.m] for an `error` of the angle [rad] and its `rate` [rad/s], actual minus wanted."""
         return -self.stiffness * error - self.damping * rate
 
 

@@ -18,14 +18,10 @@ class PickAndPlace:
 
     Parameters
     ----------
-    start : float
-        Angle of the first rest [rad].
-    end : float
-        Angle of the second rest [rad].
-    move : float
-        Duration of one move [s].
-    dwell : float
-        Duration of one rest [s].
+    start : Angle of the first rest [rad].
+    end : Angle of the second rest [rad].
+    move : Duration of one move [s].
+    dwell : Duration of one rest [s].
 
     Examples
     --------
@@ -57,18 +53,7 @@ class PickAndPlace:
         return 10.0 / math.sqrt(3.0) * abs(self.end - self.start) / self.move**2
 
     def sample(self, time: np.ndarray) -> tuple[Array, Array]:
-        """The motion at some times.
-
-        Parameters
-        ----------
-        time : ndarray
-            Times [s].
-
-        Returns
-        -------
-        tuple of two ndarray, of the shape of `time`
-            Angle [rad] and speed [rad/s].
-        """
+        """Angle [rad] and speed [rad/s] at each `time` [s], of the shape of `time`."""
         phase = np.mod(time, self.period)
         half = self.move + self.dwell
         outbound = phase < half
@@ -85,32 +70,14 @@ class PickAndPlace:
 class FourierSeries:
     """A periodic function of time as a Fourier series, with its derivatives.
 
-    Parameters
-    ----------
-    coefficients : tuple of float
-        Mean, then cosine and sine of each harmonic.
-    period : float
-        Period [s].
+    `coefficients`: mean, then cosine and sine of each harmonic. `period` [s].
     """
 
     coefficients: tuple[float, ...]
     period: float
 
     def sample(self, time: np.ndarray, order: int = 0) -> Array:
-        """A time derivative of the function at some times.
-
-        Parameters
-        ----------
-        time : ndarray
-            Times [s].
-        order : int
-            Order of the derivative; 0: the function.
-
-        Returns
-        -------
-        ndarray, of the shape of `time`
-            The derivative, in the unit of the coefficients over s^order.
-        """
+        """Time derivative of an `order` (0: the function) at each `time` [s], in its unit per s^order."""
         total = np.full_like(time, self.coefficients[0] if order == 0 else 0.0)
         pairs = zip(self.coefficients[1::2], self.coefficients[2::2], strict=True)
         for n, (cosine, sine) in enumerate(pairs, start=1):

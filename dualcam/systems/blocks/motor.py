@@ -19,24 +19,15 @@ class Motor:
 
     Parameters
     ----------
-    resistance : float
-        Resistance of the winding [ohm].
-    inductance : float
-        Inductance of the winding [H].
-    torque_constant : float
-        Torque per current at the rotor [N.m/A], which is the back-EMF per speed [V.s/rad].
-    rotor_inertia : float
-        Inertia of the rotor [kg.m2].
-    gear : float
-        Turns of the rotor per turn of the output [1].
-    voltage : float
-        Largest voltage of the drive [V].
-    peak_torque : float
-        Largest torque at the output [N.m].
-    rated_torque : float
-        Continuous torque at the output [N.m].
-    peak_speed : float
-        Largest speed of the output [rad/s].
+    resistance : Resistance of the winding [ohm].
+    inductance : Inductance of the winding [H].
+    torque_constant : Torque per current at the rotor [N.m/A], which is the back-EMF per speed [V.s/rad].
+    rotor_inertia : Inertia of the rotor [kg.m2].
+    gear : Turns of the rotor per turn of the output [1].
+    voltage : Largest voltage of the drive [V].
+    peak_torque : Largest torque at the output [N.m].
+    rated_torque : Continuous torque at the output [N.m].
+    peak_speed : Largest speed of the output [rad/s].
 
     Examples
     --------
@@ -73,15 +64,7 @@ class Motor:
     def with_gear(self, ratio: float) -> Motor:
         """The same motor behind another gear without losses.
 
-        Parameters
-        ----------
-        ratio : float
-            Turns of this motor's output per turn of the new one [1].
-
-        Returns
-        -------
-        Motor
-            With the output speed divided by `ratio`.
+        `ratio`: turns of this motor's output per turn of the new one [1].
         """
         return replace(
             self,
@@ -92,20 +75,7 @@ class Motor:
         )
 
     def rms_current(self, heat: float, duration: float) -> float:
-        """The RMS current that makes a heat in the winding: heat = R I^2 t.
-
-        Parameters
-        ----------
-        heat : float
-            Heat [J].
-        duration : float
-            Time [s].
-
-        Returns
-        -------
-        float
-            Current [A].
-        """
+        """The RMS current [A] that makes a `heat` [J] in the winding in a `duration` [s]: heat = R I^2 t."""
         return math.sqrt(heat / (self.resistance * duration))
 
 

@@ -30,15 +30,12 @@ class MotorBank:
 
     Parameters
     ----------
-    motor : Motor
-        The motor. All start without current.
-    count : int
-        Number of motors.
+    motor : The motor. All start without current.
+    count : Number of motors.
 
     Attributes
     ----------
-    current : ndarray, shape (count,)
-        Currents now [A].
+    current : Currents now [A], shape (count,).
 
     Examples
     --------
@@ -67,29 +64,14 @@ class MotorBank:
         self._squares = tuple(squares.tolist())  # T, b, c [s]
 
     def stop(self, chosen: NDArray[np.bool_]) -> None:
-        """Begin anew without current in some motors.
-
-        Parameters
-        ----------
-        chosen : ndarray of bool, shape (count,)
-            Which motors.
-        """
+        """Begin anew without current in the `chosen` motors, shape (count,)."""
         self.current[chosen] = self._integral_voltage[chosen] = 0.0
 
     def run(self, torque: Array, speed: Array) -> MotorPeriod[Array]:
-        """Run one control period.
+        """Run one control period. Returns what the motors did, as `CurrentLoop.run` gives it.
 
-        Parameters
-        ----------
-        torque : ndarray, shape (count,)
-            Torque asked for at the output [N.m]; larger ones than the motor's peak torque are cut.
-        speed : ndarray, shape (count,)
-            Speed of the output [rad/s], constant over the period.
-
-        Returns
-        -------
-        MotorPeriod
-            What the motors did, as `CurrentLoop.run` gives it.
+        `torque` asked for at the output [N.m], shape (count,); larger ones than the motor's peak torque are
+        cut. `speed` of the output [rad/s], constant over the period, shape (count,).
         """
         motor, before = self.motor, self.current
         wanted = limited(torque, -motor.peak_torque, motor.peak_torque) / motor.output_constant

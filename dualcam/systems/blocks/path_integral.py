@@ -20,19 +20,9 @@ TEMPERATURES = (1e-9, 1e9)  # of the range of the costs, between which the tempe
 
 
 def path_integral_weights(costs: Array, temperature: float) -> Array:
-    """The weights of plans: exp(-cost/temperature), with the sum 1.
+    """The weights of plans, exp(-cost/temperature) with the sum 1, shape (count,).
 
-    Parameters
-    ----------
-    costs : ndarray, shape (count,)
-        Costs of the plans.
-    temperature : float
-        In the unit of the costs, > 0.
-
-    Returns
-    -------
-    ndarray, shape (count,)
-        The weights.
+    `costs` of the plans, shape (count,). `temperature`: in the unit of the costs, > 0.
 
     Examples
     --------
@@ -46,17 +36,9 @@ def path_integral_weights(costs: Array, temperature: float) -> Array:
 
 
 def effective_size(weights: Array) -> float:
-    """How many plans of equal weight would average as much: 1 over the sum of the squared weights (Kish).
+    """How many plans of equal weight would average as much, 1 to count: 1/sum(weights^2) (Kish).
 
-    Parameters
-    ----------
-    weights : ndarray, shape (count,)
-        Weights with the sum 1.
-
-    Returns
-    -------
-    float
-        From 1 to count.
+    `weights` with the sum 1, shape (count,).
 
     Examples
     --------
@@ -69,20 +51,9 @@ def effective_size(weights: Array) -> float:
 
 
 def temperature_of(costs: Array, size: float) -> float:
-    """The temperature at which the weights have an effective size.
+    """The temperature, in the unit of the costs, at which the weights have an effective `size`.
 
-    Parameters
-    ----------
-    costs : ndarray, shape (count,)
-        Costs of the plans.
-    size : float
-        Wanted effective size.
-
-    Returns
-    -------
-    float
-        The temperature, in the unit of the costs; at an end of a wide range where no temperature gives that
-        size.
+    It is an end of a wide range where no temperature gives that size. `costs` of the plans, shape (count,).
 
     Examples
     --------
@@ -106,19 +77,10 @@ def temperature_of(costs: Array, size: float) -> float:
 
 
 def spline_basis(horizon: int, knots: int) -> Array:
-    """Values of cubic splines at the periods of a plan: column i is 1 at knot i and 0 at all other knots.
+    """Cubic splines at the periods of a plan, shape (horizon, knots): column i is 1 at knot i, 0 at the
+    others.
 
-    Parameters
-    ----------
-    horizon : int
-        Periods of the plan.
-    knots : int
-        Number of knots, evenly spread from the first period to the last.
-
-    Returns
-    -------
-    ndarray, shape (horizon, knots)
-        The basis.
+    `horizon`: periods of the plan. `knots`: number of knots, evenly spread from the first period to the last.
 
     Examples
     --------
@@ -131,20 +93,11 @@ def spline_basis(horizon: int, knots: int) -> Array:
 
 
 def shaped_basis(basis: Array, curvature: Array) -> Array:
-    """A basis whose coefficients, drawn from the normal distribution, all cost the same on average.
+    """A basis, shape (horizon, knots), whose normally distributed coefficients all cost the same on average.
 
-    Parameters
-    ----------
-    basis : ndarray, shape (horizon, knots)
-        Basis of the noise.
-    curvature : ndarray, shape (horizon, horizon)
-        Second derivative of the cost by the plan, positive definite.
-
-    Returns
-    -------
-    ndarray, shape (horizon, knots)
-        With unit coefficients each column adds the cost 1/2 where the cost is quadratic, and no two columns
-        share a cost.
+    Where the cost is quadratic, each column adds 1/2 with unit coefficients, and no two columns share a cost.
+    `basis` of the noise, shape (horizon, knots). `curvature`: second derivative of the cost by the plan,
+    positive definite, shape (horizon, horizon).
 
     Examples
     --------
@@ -160,30 +113,15 @@ def shaped_basis(basis: Array, curvature: Array) -> Array:
 class Noise(NamedTuple):
     """Random deviations of plans: each is a normal draw of coefficients times a scale of its own.
 
-    Parameters
-    ----------
-    basis : ndarray, shape (horizon, knots)
-        What the coefficients multiply.
-    scales : ndarray, shape (count,)
-        Scale of each deviation.
+    `basis`: what the coefficients multiply, shape (horizon, knots). `scales`: scale of each deviation, shape
+    (count,).
     """
 
     basis: Array
     scales: Array
 
     def draw(self, random: np.random.Generator) -> Array:
-        """Random deviations.
-
-        Parameters
-        ----------
-        random : numpy.random.Generator
-            Where the random numbers come from.
-
-        Returns
-        -------
-        ndarray, shape (count, horizon)
-            Deviations.
-        """
+        """Random deviations, shape (count, horizon). `random`: where the random numbers come from."""
         coefficients = random.standard_normal((len(self.scales), self.basis.shape[1]))
         return (self.scales[:, None] * coefficients) @ self.basis.T
 
@@ -197,24 +135,18 @@ class PathIntegralPlanner:
 
     Parameters
     ----------
-    noises : sequence of Noise
-        Deviations, all over the same horizon.
-    limit : float
-        Largest magnitude of an input.
-    size : float
-        Effective number of plans in the mean.
-    random : numpy.random.Generator
-        Where the random numbers come from.
+    noises : Deviations, all over the same horizon.
+    limit : Largest magnitude of an input.
+    size : Effective number of plans in the mean.
+    random : Where the random numbers come from.
 
     Attributes
     ----------
-    plan : ndarray, shape (horizon,)
-        The inputs by period.
+    plan : The inputs by period, shape (horizon,).
 
     Raises
     ------
-    DualcamError
-        A limit or a size that is not allowed.
+    DualcamError : A limit or a size that is not allowed.
 
     Examples
     --------
@@ -249,13 +181,7 @@ class PathIntegralPlanner:
         self.plan = np.append(self.plan[1:], self.plan[-1])
 
     def candidates(self) -> Array:
-        """The plan and random plans around it.
-
-        Returns
-        -------
-        ndarray, shape (count, horizon)
-            The plan as it is in row 0.
-        """
+        """The plan, in row 0, and random plans around it, shape (count, horizon)."""
         drawn = np.concatenate([noise.draw(self._random) for noise in self._noises])
         around = np.concatenate([np.zeros((1, len(self.plan))), drawn, -drawn])
         return np.clip(self.plan + around, -self._limit, self._limit)
@@ -263,17 +189,8 @@ class PathIntegralPlanner:
     def update(self, candidates: Array, costs: Array) -> None:
         """Replace the plan by the weighted mean of the candidates.
 
-        Parameters
-        ----------
-        candidates : ndarray, shape (count, horizon)
-            Plans.
-        costs : ndarray, shape (count,)
-            Their costs.
-
-        Raises
-        ------
-        DualcamError
-            A cost is missing or not finite: the plan stays.
+        `candidates`: plans, shape (count, horizon). `costs`: their costs, shape (count,). DualcamError: a
+        cost is missing or not finite: the plan stays.
         """
         if costs.shape != (len(candidates),):
             raise DualcamError(

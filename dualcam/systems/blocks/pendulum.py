@@ -12,12 +12,8 @@ from dualcam.systems.blocks.elementwise import Number, cosine, sine
 class HingeMotion(NamedTuple):
     """The motion of a hinge at one time, with time derivatives.
 
-    Parameters
-    ----------
-    tilt : tuple of float
-        Inclination of the carrier from straight down, + forward: derivatives 0 to 4 [rad, rad/s, ...].
-    forward, upward : tuple of float
-        The hinge's acceleration: derivatives 0 to 2 [m/s2, m/s3, m/s4].
+    `tilt`: inclination of the carrier from straight down, + forward: derivatives 0 to 4 [rad, rad/s, ...].
+    `forward`, `upward`: the hinge's acceleration: derivatives 0 to 2 [m/s2, m/s3, m/s4].
     """
 
     tilt: tuple[float, float, float, float, float]
@@ -26,25 +22,10 @@ class HingeMotion(NamedTuple):
 
 
 def across_acceleration(ahead: Number, above: Number, inclination: Number) -> Number:
-    """The acceleration across a hanging line.
+    """The acceleration across a hanging line [m/s2].
 
-    Parameters
-    ----------
-    ahead, above : float or ndarray
-        Acceleration forward and upward [m/s2].
-    inclination : float or ndarray
-        Inclination of the line from straight down, + forward [rad].
-
-    Returns
-    -------
-    float or ndarray
-        Acceleration [m/s2].
-
-    Examples
-    --------
-    >>> from dualcam.systems.blocks.pendulum import across_acceleration
-    >>> across_acceleration(2.0, 9.81, 0.0)
-    2.0
+    `ahead`, `above`: acceleration forward and upward [m/s2]. `inclination` of the line from straight down, +
+    forward [rad].
     """
     return ahead * cosine(inclination) + above * sine(inclination)
 
@@ -63,14 +44,10 @@ class HingedPendulum(Generic[Number]):
 
     Parameters
     ----------
-    inertia : float or ndarray, shape (count,)
-        Inertia I about the hinge [kg.m2].
-    moment : float or ndarray, shape (count,)
-        Mass times distance of its centre from the hinge, m d [kg.m].
-    lead : float
-        Angle of the centre of mass ahead of the line that theta is measured to [rad].
-    gravity : float
-        Acceleration of gravity [m/s2].
+    inertia : Inertia I about the hinge [kg.m2], float or shape (count,).
+    moment : Mass times distance of its centre from the hinge, m d [kg.m], float or shape (count,).
+    lead : Angle of the centre of mass ahead of the line that theta is measured to [rad].
+    gravity : Acceleration of gravity [m/s2].
     """
 
     inertia: Number
@@ -79,23 +56,10 @@ class HingedPendulum(Generic[Number]):
     gravity: float = 9.81
 
     def torque(self, tilt: Number, turning: Number, ahead: Number, above: Number, theta: Number) -> Number:
-        """The torque that bends the hinge.
+        """The torque that bends the hinge [N.m], float or shape (count,) as all arguments.
 
-        Parameters
-        ----------
-        tilt : float or ndarray, shape (count,)
-            Inclination of the carrier [rad].
-        turning : float or ndarray, shape (count,)
-            Its second time derivative [rad/s2].
-        ahead, above : float or ndarray, shape (count,)
-            The hinge's acceleration, forward and upward [m/s2].
-        theta : float or ndarray, shape (count,)
-            Flexion [rad].
-
-        Returns
-        -------
-        float or ndarray, shape (count,)
-            Torque [N.m].
+        `tilt`: inclination of the carrier [rad]. `turning`: its second time derivative [rad/s2]. `ahead`,
+        `above`: the hinge's acceleration, forward and upward [m/s2]. `theta`: flexion [rad].
         """
         across = across_acceleration(ahead, above + self.gravity, tilt - theta + self.lead)
         return self.inertia * turning + self.moment * across
@@ -107,23 +71,10 @@ class HingedPendulum(Generic[Number]):
         omega: float = 0.0,
         alpha: float = 0.0,
     ) -> tuple[float, float, float]:
-        """The torque that bends the hinge, and its first two time derivatives along a motion.
+        """The torque that bends the hinge [N.m], and its first two time derivatives along a motion.
 
-        Parameters
-        ----------
-        hinge : HingeMotion
-            The motion of the hinge.
-        theta : float
-            Flexion [rad].
-        omega : float
-            Its first time derivative [rad/s].
-        alpha : float
-            Its second time derivative [rad/s2].
-
-        Returns
-        -------
-        tuple of float
-            Torque and derivatives [N.m, N.m/s, N.m/s2].
+        `hinge`: its motion. `theta`: flexion [rad]. `omega`, `alpha`: its first and second time derivative
+        [rad/s, rad/s2].
         """
         psi, psi1, psi2, psi3, psi4 = hinge.tilt
         x, x1, x2 = hinge.forward

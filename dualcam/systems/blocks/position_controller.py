@@ -22,14 +22,8 @@ from dualcam.systems.blocks.helical_cam import HelicalCam, holding_torque
 class Gains(NamedTuple):
     """Gains of the position controller, as acceleration per error.
 
-    Parameters
-    ----------
-    angle : float
-        Of the angle's error [1/s2].
-    speed : float
-        Of the speed's error [1/s].
-    integral : float
-        Of the integral of the angle's error [1/s3].
+    `angle`: of the angle's error [1/s2]. `speed`: of the speed's error [1/s]. `integral`: of the integral of
+    the angle's error [1/s3].
     """
 
     angle: float
@@ -38,19 +32,9 @@ class Gains(NamedTuple):
 
 
 def lqi_gains(bandwidth: float, period: float) -> Gains:
-    """Gains for a double integrator theta'' = u, sampled.
+    """Gains of a double integrator theta'' = u, sampled, for every inertia M: torque = M u.
 
-    Parameters
-    ----------
-    bandwidth : float
-        Radius of the poles over 2 pi [Hz]: the whole tuning.
-    period : float
-        Period of the controller [s].
-
-    Returns
-    -------
-    Gains
-        For every inertia M: torque = M u.
+    `bandwidth`: radius of the poles over 2 pi [Hz], the whole tuning. `period` of the controller [s].
 
     Notes
     -----
@@ -86,14 +70,8 @@ def lqi_gains(bandwidth: float, period: float) -> Gains:
 class RestLimits:
     """When the controller lets the joint rest in the stick band.
 
-    Parameters
-    ----------
-    tolerance : float
-        Largest error of the angle [rad]; twice that once the joint rests.
-    speed : float
-        Largest speed [rad/s].
-    margin : float
-        Share of the band's half width between a held load and the band's edge [1].
+    `tolerance`: largest error of the angle [rad]; twice that once the joint rests. `speed`: largest speed
+    [rad/s]. `margin`: share of the band's half width between a held load and the band's edge [1].
     """
 
     tolerance: float
@@ -101,65 +79,40 @@ class RestLimits:
     margin: float
 
 
+@dataclass(eq=False)
 class PositionController:
     """LQI with feed-forward, and rest inside the stick band, from a model of the joint.
 
     Parameters
     ----------
-    inertia : float
-        Inertia of the joint [kg.m2].
-    load : GravityLoad
-        The load.
-    cam : HelicalCam
-        The cam.
-    torque_limit : float
-        Largest torque of the motor at the output [N.m].
-    gains : Gains
-        Feedback.
-    rest : RestLimits
-        When the joint may rest.
-    period : float
-        Period of the controller [s].
+    inertia : Inertia of the joint [kg.m2].
+    load : The load.
+    cam : The cam.
+    torque_limit : Largest torque of the motor at the output [N.m].
+    gains : Feedback.
+    rest : When the joint may rest.
+    period : Period of the controller [s].
     """
 
-    def __init__(
-        self,
-        inertia: float,
-        load: GravityLoad,
-        cam: HelicalCam,
-        torque_limit: float,
-        gains: Gains,
-        rest: RestLimits,
-        period: float,
-    ) -> None:
-        self.inertia = inertia
-        self.load = load
-        self.cam = cam
-        self.torque_limit = torque_limit
-        self.gains = gains
-        self.rest = rest
-        self.period = period
+    inertia: float
+    load: GravityLoad
+    cam: HelicalCam
+    torque_limit: float
+    gains: Gains
+    rest: RestLimits
+    period: float
+
+    def __post_init__(self) -> None:
         self.integral = 0.0  # rad.s
         self.resting = False
 
     def torque(
         self, angle: float, speed: float, reference: tuple[float, float], next_reference: tuple[float, float]
     ) -> float:
-        """The motor's torque for the coming period.
+        """The motor's torque [N.m] for the coming period, as `AxisController.torque`.
 
-        Parameters
-        ----------
-        angle, speed : float
-            Of the joint [rad, rad/s].
-        reference : tuple of float
-            Planned angle [rad] and speed [rad/s] at the beginning of the period.
-        next_reference : tuple of float
-            Planned angle and speed at the end of the period.
-
-        Returns
-        -------
-        float
-            Torque at the output [N.m].
+        `angle`, `speed`: measured state [rad, rad/s]. `reference`, `next_reference`: planned angle [rad] and
+        speed [rad/s] at the beginning and at the end of the period.
         """
         error, rate = angle - reference[0], speed - reference[1]
         advance = next_reference[0] - reference[0]

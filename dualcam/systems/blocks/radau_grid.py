@@ -16,16 +16,8 @@ from dualcam.design.statics import Array
 class RadauGrid:
     """Radau IIA collocation: the last node of an interval is its end.
 
-    Source: L. T. Biegler, Nonlinear Programming, SIAM 2010, chapter 10.
-
-    Parameters
-    ----------
-    duration : float
-        Duration of the plan [s].
-    intervals : int
-        Number of intervals.
-    nodes : int
-        Nodes in each interval.
+    Source: L. T. Biegler, Nonlinear Programming, SIAM 2010, chapter 10. `duration` of the plan [s].
+    `intervals`: number of intervals. `nodes` in each interval.
 
     Examples
     --------
@@ -76,17 +68,10 @@ class RadauGrid:
         return np.linalg.solve(powers.T, 1.0 / (order + 1.0)) * self.interval
 
     def derivatives_at_start(self, values: Array) -> Array:
-        """The polynomial through values at the nodes, as value and time derivatives at the interval's start.
+        """Derivatives at each interval's start of the polynomial through `values` at the nodes.
 
-        Parameters
-        ----------
-        values : ndarray, shape (intervals, nodes)
-            Values at the nodes.
-
-        Returns
-        -------
-        ndarray, shape (intervals, nodes)
-            Row i, column k: derivative of order k at the start of interval i, in the values' unit per s^k.
+        Both have the shape (intervals, nodes). Row i, column k: time derivative of order k at the start of
+        interval i, in the values' unit per s^k.
         """
         powers = np.vander(self.shares, increasing=True)
         order = np.arange(self.nodes)

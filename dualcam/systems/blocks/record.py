@@ -21,34 +21,20 @@ class Record:
 
     Attributes
     ----------
-    period : float
-        Control period [s].
-    time : ndarray, shape (n,)
-        Time at the end of the period [s].
-    reference : ndarray, shape (n,)
-        Planned angle [rad].
-    angle : ndarray, shape (n,)
-        Angle [rad].
-    speed : ndarray, shape (n,)
-        Speed [rad/s].
-    command : ndarray, shape (n,)
-        Torque asked of the motor [N.m].
-    motor_torque : ndarray, shape (n,)
-        Torque of the motor, mean of the period [N.m].
-    peak_torque : ndarray, shape (n,)
-        Torque of the motor, largest magnitude [N.m].
-    motor_heat : ndarray, shape (n,)
-        Heat in the motor's winding [J].
-    supply_energy : ndarray, shape (n,)
-        Energy from the supply [J].
-    motor_work : ndarray, shape (n,)
-        Work of the motor on the axis [J].
-    load_work : ndarray, shape (n,)
-        Work of the load on the axis [J].
-    ledger : dict of str to ndarray, shape (n,)
-        The FMU's energy accounts since the start [J].
-    wall_time : float
-        Computing time of the loop [s].
+    period : Control period [s].
+    time : Time at the end of the period [s], shape (n,).
+    reference : Planned angle [rad], shape (n,).
+    angle : Angle [rad], shape (n,).
+    speed : Speed [rad/s], shape (n,).
+    command : Torque asked of the motor [N.m], shape (n,).
+    motor_torque : Torque of the motor, mean of the period [N.m], shape (n,).
+    peak_torque : Torque of the motor, largest magnitude [N.m], shape (n,).
+    motor_heat : Heat in the motor's winding [J], shape (n,).
+    supply_energy : Energy from the supply [J], shape (n,).
+    motor_work : Work of the motor on the axis [J], shape (n,).
+    load_work : Work of the load on the axis [J], shape (n,).
+    ledger : The FMU's energy accounts since the start [J], shape (n,).
+    wall_time : Computing time of the loop [s].
     """
 
     period: float
@@ -67,18 +53,7 @@ class Record:
     wall_time: float
 
     def last(self, duration: float) -> Record:
-        """The end of the run, with accounts since the beginning of that time.
-
-        Parameters
-        ----------
-        duration : float
-            Length of that time [s].
-
-        Returns
-        -------
-        Record
-            The last `duration` of the run; the whole run if the run is shorter.
-        """
+        """The last `duration` [s] of the run, with accounts since then; the whole run if it is shorter."""
         begin = len(self.time) - round(duration / self.period)
         if begin <= 0:
             return self

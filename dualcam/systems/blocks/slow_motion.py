@@ -11,28 +11,11 @@ from dualcam.fmi.fmu import Fmu, Scalar
 
 
 def slow_torque(fmu: Fmu, parameters: Mapping[str, Scalar], theta: Array, speed: float) -> Array:
-    """The torque of the inverse FMU without inertia, along a slow motion.
+    """The torque of the inverse FMU without inertia along a slow motion [N.m], shape (n,).
 
-    Parameters
-    ----------
-    fmu : Fmu
-        The inverse FMU.
-    parameters : mapping of str to float, int, bool or str
-        Start values of the FMU.
-    theta : ndarray, shape (n,)
-        Angles [rad] in the order in which the motion passes them.
-    speed : float
-        Speed of the motion [rad/s]; its sign is that of the steps of theta.
-
-    Returns
-    -------
-    ndarray, shape (n,)
-        Torque [N.m].
-
-    Raises
-    ------
-    FmuError
-        The FMU refuses a parameter or an angle.
+    `fmu`: the inverse FMU. `parameters`: start values of the FMU. `theta`: angles [rad] in the order in which
+    the motion passes them, shape (n,). `speed` of the motion [rad/s]; its sign is that of the steps of theta.
+    FmuError: the FMU refuses a parameter or an angle.
 
     Examples
     --------

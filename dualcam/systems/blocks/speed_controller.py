@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import Protocol
 
 from dualcam.systems.blocks.gravity import GravityLoad
@@ -13,97 +14,52 @@ class HoldingCam(Protocol):
     """A cam that holds a load, by the load's angle [rad] and as torque about the load's axis [N.m]."""
 
     def band(self, angle: float) -> tuple[float, float]:
-        """The stick band.
-
-        Parameters
-        ----------
-        angle : float
-            Angle of the load [rad].
-
-        Returns
-        -------
-        tuple of float
-            Lower and upper edge [N.m].
-        """
+        """The lower and upper edge of the stick band [N.m] at an `angle` of the load [rad]."""
         ...
 
     def torque(self, angle: float, speed: float) -> float:
-        """The torque that keeps the load moving.
-
-        Parameters
-        ----------
-        angle : float
-            Angle of the load [rad].
-        speed : float
-            Speed of the load [rad/s].
-
-        Returns
-        -------
-        float
-            Torque [N.m].
-        """
+        """The torque [N.m] that keeps the load moving at an `angle` [rad] and a `speed` [rad/s]."""
         ...
 
 
+@dataclass(eq=False)
 class SpeedController:
     """PI on speed with feed-forward of inertia, load, friction and damper, from a model of the plant. The
     integral part is the distance to the planned angle. The motor is off where the cam holds the load.
 
     Parameters
     ----------
-    inertia : float
-        Inertia of the load [kg.m2].
-    load : GravityLoad
-        The weight.
-    cam : HoldingCam
-        The cam.
-    torque_limit : float
-        Largest torque of the motor [N.m].
-    bandwidth : float
-        Of both poles, critically damped [Hz].
-    rest_speed : float
-        Speed below which the load may rest [rad/s].
-    rest_margin : float
-        Share of the stick band between a held load and the band's edge [1].
-    period : float
-        Period of the controller [s].
+    inertia : Inertia of the load [kg.m2].
+    load : The weight.
+    cam : The cam.
+    torque_limit : Largest torque of the motor [N.m].
+    bandwidth : Of both poles, critically damped [Hz].
+    rest_speed : Speed below which the load may rest [rad/s].
+    rest_margin : Share of the stick band between a held load and the band's edge [1].
+    period : Period of the controller [s].
     """
 
-    def __init__(
-        self,
-        inertia: float,
-        load: GravityLoad,
-        cam: HoldingCam,
-        torque_limit: float,
-        bandwidth: float,
-        rest_speed: float,
-        rest_margin: float,
-        period: float,
-    ) -> None:
-        self.inertia, self.load, self.cam, self.torque_limit = inertia, load, cam, torque_limit
-        self.rest_speed, self.rest_margin, self.period = rest_speed, rest_margin, period
-        w = 2.0 * math.pi * bandwidth
+    inertia: float
+    load: GravityLoad
+    cam: HoldingCam
+    torque_limit: float
+    bandwidth: float
+    rest_speed: float
+    rest_margin: float
+    period: float
+
+    def __post_init__(self) -> None:
+        w = 2.0 * math.pi * self.bandwidth
         self.proportional, self.integral = 2.0 * w, w**2  # 1/s, 1/s2: s^2 + Kp s + Ki = (s + w)^2
         self.distance = 0.0  # rad, integral of the error of the speed
 
     def torque(
         self, angle: float, speed: float, reference: tuple[float, float], next_reference: tuple[float, float]
     ) -> float:
-        """The motor's torque for the coming period.
+        """The motor's torque [N.m] for the coming period.
 
-        Parameters
-        ----------
-        angle, speed : float
-            Of the load [rad, rad/s].
-        reference : tuple of float
-            Planned angle [rad] and speed [rad/s] at the beginning of the period; the angle is not used.
-        next_reference : tuple of float
-            Planned angle and speed at the end of the period.
-
-        Returns
-        -------
-        float
-            Torque [N.m].
+        `angle`, `speed`: of the load [rad, rad/s]. `reference`, `next_reference`: planned angle [rad] and
+        speed [rad/s] at the beginning and at the end of the period; the angle is not used.
         """
         weight = self.load.torque(angle)
         low, high = self.cam.band(angle)

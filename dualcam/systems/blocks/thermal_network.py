@@ -28,14 +28,10 @@ class ThermalState(NamedTuple):
 
     Parameters
     ----------
-    contact : float
-        Temperature of the contact zone [K].
-    housing : float
-        Temperature of the housing [K].
-    heat_in : float
-        Heat that has come in so far [J].
-    heat_out : float
-        Heat that has gone to the air so far [J].
+    contact : Temperature of the contact zone [K].
+    housing : Temperature of the housing [K].
+    heat_in : Heat that has come in so far [J].
+    heat_out : Heat that has gone to the air so far [J].
     """
 
     contact: float
@@ -50,21 +46,16 @@ class TwoMassNetwork:
 
     Parameters
     ----------
-    contact_capacity : float
+    contact_capacity
         Heat capacity of the contact zone: pins, followers and the surface of the grooves [J/K].
-    housing_capacity : float
-        Heat capacity of cams and housing [J/K].
-    contact_conductance : float
-        Thermal conductance from the contact zone to the housing [W/K].
-    air_conductance : float
-        Thermal conductance from the housing to the air [W/K].
-    air : float
-        Temperature of the air [K].
+    housing_capacity : Heat capacity of cams and housing [J/K].
+    contact_conductance : Thermal conductance from the contact zone to the housing [W/K].
+    air_conductance : Thermal conductance from the housing to the air [W/K].
+    air : Temperature of the air [K].
 
     Raises
     ------
-    DesignError
-        A value is not finite or not > 0, or `air` looks like degrees Celsius (below 150 K).
+    DesignError : A value is not finite or not > 0, or `air` looks like degrees Celsius (below 150 K).
 
     Examples
     --------
@@ -91,67 +82,25 @@ class TwoMassNetwork:
         check_temperature("air", self.air)
 
     def start(self) -> ThermalState:
-        """Both masses as warm as the air.
-
-        Returns
-        -------
-        ThermalState
-        """
+        """Both masses as warm as the air."""
         return ThermalState(self.air, self.air)
 
     def stored(self, state: ThermalState) -> float:
-        """Heat in both masses, above that at the temperature of the air.
-
-        Parameters
-        ----------
-        state : ThermalState
-            The state.
-
-        Returns
-        -------
-        float
-            Heat [J].
-        """
+        """Heat [J] in both masses in a `state`, above that at the temperature of the air."""
         return self.contact_capacity * (state.contact - self.air) + self.housing_capacity * (
             state.housing - self.air
         )
 
     def settled(self, power: float) -> ThermalState:
-        """The temperatures after a long time under a constant power.
-
-        Parameters
-        ----------
-        power : float
-            Power into the contact zone [W].
-
-        Returns
-        -------
-        ThermalState
-            The temperatures; the accounts are zero.
-        """
+        """Temperatures after a long time under a `power` into the contact zone [W]; accounts are 0."""
         housing = self.air + power / self.air_conductance
         return ThermalState(housing + power / self.contact_conductance, housing)
 
     def advance(self, state: ThermalState, power: float, duration: float) -> ThermalState:
-        """The state after some time under a constant power, exactly.
+        """The state after some time under a constant power, exactly, from a `state`.
 
-        Parameters
-        ----------
-        state : ThermalState
-            The state at the beginning.
-        power : float
-            Power into the contact zone [W].
-        duration : float
-            Time [s], >= 0.
-
-        Returns
-        -------
-        ThermalState
-
-        Raises
-        ------
-        DesignError
-            `duration` is negative or not finite, or `power` is not finite.
+        `power` into the contact zone [W]. `duration`: time [s], >= 0. DesignError: `duration` is negative or
+        not finite, or `power` is not finite.
         """
         check_number("duration", duration, 0.0, "s")
         if not math.isfinite(power):

@@ -71,63 +71,32 @@ REST_MARGIN = 0.01  # share of the band kept between a held weight and the band'
 
 
 def weight_on_slope(mass: float, pitch: float, roll: float) -> GravityLoad[float]:
-    """The weight of the door about its hinge, in a car on a slope.
+    """The weight of the door about its hinge, in a car on a slope, as an equivalent pendulum.
 
-    Parameters
-    ----------
-    mass : float
-        Mass of the door [kg].
-    pitch, roll : float
-        Angles of the car [rad]; `pitch` > 0 lifts the nose, `roll` > 0 lifts the door's side.
-
-    Returns
-    -------
-    GravityLoad
-        The weight as an equivalent pendulum.
+    `mass` of the door [kg]. `pitch`, `roll`: angles of the car [rad]; `pitch` > 0 lifts the nose, `roll` > 0
+    lifts the door's side.
     """
     return hinged_load(mass, HINGE, CENTRE, vertical_in_car(pitch, roll))
 
 
 @cache
 def weight(attitude: str, mass: float = MASS) -> GravityLoad[float]:
-    """The weight of the door about its hinge, in a car that is parked in one of the named ways.
+    """The weight of the door about its hinge, in a car parked in one of the named ways, as a pendulum.
 
-    Parameters
-    ----------
-    attitude : str
-        How the car is parked: a key of ATTITUDES or ATTITUDES_NOT_DESIGNED_FOR.
-    mass : float
-        Mass of the door [kg].
-
-    Returns
-    -------
-    GravityLoad
-        The weight as an equivalent pendulum.
+    `attitude`: a key of ATTITUDES or ATTITUDES_NOT_DESIGNED_FOR. `mass` of the door [kg].
     """
     return weight_on_slope(mass, *(ATTITUDES | ATTITUDES_NOT_DESIGNED_FOR)[attitude])
 
 
 def hinge_tilt() -> float:
-    """The angle between the hinge and the vertical on level ground.
-
-    Returns
-    -------
-    float
-        Angle [deg].
-    """
+    """The angle between the hinge and the vertical on level ground [deg]."""
     axis = HINGE[1] - HINGE[0]
     return math.degrees(math.acos(axis[2] / float(np.linalg.norm(axis))))
 
 
 @cache
 def extreme_weight_torques() -> tuple[float, float]:
-    """The largest closing and the largest opening torque of the weight, over all angles and design attitudes.
-
-    Returns
-    -------
-    tuple of float
-        Both as magnitudes [N.m].
-    """
+    """The largest closing and opening torque of the weight, over all angles and design attitudes [N.m]."""
     angles = np.linspace(0.0, OPEN, 200)
     torques = [weight(attitude).torque(angle) for attitude in ATTITUDES for angle in angles]
     return -min(torques), max(torques)
@@ -140,30 +109,16 @@ def extreme_weight_torques() -> tuple[float, float]:
 class DoorCam:
     """Cam and damper as the door feels them: by the door's angle, as torque about the hinge.
 
-    Parameters
-    ----------
-    cam : HelicalCam
-        The cam beside the hinge.
-    orifice : float
-        Quadratic damper on the follower while the door closes [N.s2/m2].
+    `cam`: the cam beside the hinge. `orifice`: quadratic damper on the follower while the door closes
+    [N.s2/m2].
     """
 
     cam: HelicalCam
     orifice: float = 0.0
 
     def band(self, angle: float) -> tuple[float, float]:
-        """The stick band about the hinge.
-
-        Parameters
-        ----------
-        angle : float
-            Angle of the door [rad].
-
-        Returns
-        -------
-        tuple of float
-            The torques [N.m] that just close and just open the door; between them the door rests.
-        """
+        """The stick band at an `angle` of the door [rad]: the torques about the hinge [N.m] that just close
+        and just open the door; between them the door rests."""
         release, load = self.cam.band(RATIO * (OPEN - angle))
         return -RATIO * load, -RATIO * release
 
@@ -173,19 +128,9 @@ class DoorCam:
         return RATIO * self.cam.load_arm * self.orifice * (RATIO * self.cam.dz_dtheta) ** 2
 
     def torque(self, angle: float, speed: float) -> float:
-        """The torque that keeps the door moving.
+        """The torque about the hinge [N.m] that keeps the door moving; 0 at rest.
 
-        Parameters
-        ----------
-        angle : float
-            Angle of the door [rad].
-        speed : float
-            Speed of the door [rad/s].
-
-        Returns
-        -------
-        float
-            Torque about the hinge [N.m]; 0 at rest.
+        `angle` of the door [rad]. `speed` of the door [rad/s].
         """
         closes, opens = self.band(angle)
         if speed < 0.0:
@@ -193,56 +138,23 @@ class DoorCam:
         return opens if speed > 0.0 else 0.0
 
     def with_spring_force(self, share: float) -> DoorCam:
-        """The same with another spring.
-
-        Parameters
-        ----------
-        share : float
-            Share of the spring's force [1].
-
-        Returns
-        -------
-        DoorCam
-            Preload and stiffness times `share`.
-        """
+        """The same with `share` times the preload and stiffness [1]."""
         spring = replace(self.cam, preload=share * self.cam.preload, stiffness=share * self.cam.stiffness)
         return replace(self, cam=spring)
 
     def parameters(self) -> dict[str, float]:
-        """The same as start values of the FMU.
-
-        Returns
-        -------
-        dict of str to float
-            Values by name, in SI units.
-        """
+        """The same as start values of the FMU by name, in SI units."""
         return {**self.cam.parameters(), "damper.q_load": self.orifice}
 
 
 def stroke(cam: HelicalCam) -> float:
-    """The travel of the follower over the door's range.
-
-    Parameters
-    ----------
-    cam : HelicalCam
-        The cam beside the hinge.
-
-    Returns
-    -------
-    float
-        Travel [m].
-    """
+    """The travel of the follower over the door's range [m]. `cam`: the cam beside the hinge."""
     return cam.dz_dtheta * RATIO * OPEN
 
 
 @cache
 def design() -> DoorCam:
-    """Lead angle, preload, stiffness and damper of the door's cam.
-
-    Returns
-    -------
-    DoorCam
-        The designed cam and damper.
+    """The designed cam of the door: lead angle, preload, stiffness and damper.
 
     Notes
     -----
@@ -267,34 +179,17 @@ def design() -> DoorCam:
 
 
 def plain_door() -> DoorCam:
-    """The door without cam and damper: no spring, no friction.
-
-    Returns
-    -------
-    DoorCam
-        Without any torque.
-    """
+    """The door without cam and damper: no spring, no friction, no torque."""
     return DoorCam(replace(design().cam, friction=(0.0, 0.0), preload=0.0, stiffness=0.0))
 
 
 def share_of_angles_held(
     cam: DoorCam, attitudes: Sequence[str] = tuple(ATTITUDES), points: int = 1000
 ) -> float:
-    """How often the door stays where it is let go.
+    """The share [1] of all angles and attitudes at which the door stays where it is let go.
 
-    Parameters
-    ----------
-    cam : DoorCam
-        Cam and damper.
-    attitudes : sequence of str
-        How the car is parked.
-    points : int
-        Number of angles of the door, evenly over its range.
-
-    Returns
-    -------
-    float
-        Share of all angles and attitudes [1].
+    `cam` and damper. `attitudes`: how the car is parked. `points`: number of angles of the door, evenly over
+    its range.
     """
     held = 0
     for attitude in attitudes:
@@ -306,19 +201,9 @@ def share_of_angles_held(
 
 
 def handle_force(cam: DoorCam, attitudes: Sequence[str]) -> float:
-    """The largest force at the handle that moves the door slowly, either way, over all its angles.
+    """The largest force at the handle that moves the door slowly, either way, over all its angles [N].
 
-    Parameters
-    ----------
-    cam : DoorCam
-        Cam and damper.
-    attitudes : sequence of str
-        How the car is parked.
-
-    Returns
-    -------
-    float
-        Force [N].
+    `cam` and damper. `attitudes`: how the car is parked.
     """
     largest = 0.0
     for attitude in attitudes:
@@ -333,34 +218,12 @@ def handle_force(cam: DoorCam, attitudes: Sequence[str]) -> float:
 
 
 def door_axis(fmu: Fmu) -> CamAxis:
-    """The FMU as the door: its angle and speed are those about the hinge.
-
-    Parameters
-    ----------
-    fmu : Fmu
-        The forward FMU.
-
-    Returns
-    -------
-    CamAxis
-        The door.
-    """
+    """The forward FMU `fmu` as the door: its angle and speed are those about the hinge."""
     return CamAxis(fmu, ratio=-RATIO, offset=OPEN)
 
 
 def plant_parameters(cam: DoorCam) -> dict[str, float]:
-    """Start values of the FMU for the door.
-
-    Parameters
-    ----------
-    cam : DoorCam
-        Cam and damper.
-
-    Returns
-    -------
-    dict of str to float
-        Values by name, in SI units.
-    """
+    """Start values of the FMU for the door by name, in SI units. `cam` and damper."""
     return {
         **cam.parameters(),
         "inertia.shaft": INERTIA / RATIO**2,
@@ -370,35 +233,14 @@ def plant_parameters(cam: DoorCam) -> dict[str, float]:
 
 
 def cam_in_controller(cam: DoorCam) -> DoorCam:
-    """The cam as the controller believes it.
-
-    Parameters
-    ----------
-    cam : DoorCam
-        The true one.
-
-    Returns
-    -------
-    DoorCam
-        With FRICTION_BELIEVED times the friction.
-    """
+    """The `cam` as the controller believes it: with FRICTION_BELIEVED times the friction."""
     return replace(cam, cam=cam.cam.with_friction_scaled(FRICTION_BELIEVED))
 
 
 def controller(cam: DoorCam, attitude: str) -> SpeedController:
-    """The speed controller, whose mass and friction are off by MASS_BELIEVED and FRICTION_BELIEVED.
+    """The speed controller, whose model of the door is off by MASS_BELIEVED and FRICTION_BELIEVED.
 
-    Parameters
-    ----------
-    cam : DoorCam
-        The true cam and damper.
-    attitude : str
-        How the car is parked.
-
-    Returns
-    -------
-    SpeedController
-        With the model of the door that it believes.
+    `cam`: the true cam and damper. `attitude`: how the car is parked.
     """
     return SpeedController(
         inertia=INERTIA,
@@ -413,26 +255,14 @@ def controller(cam: DoorCam, attitude: str) -> SpeedController:
 
 
 def reference_motion() -> tuple[Array, Array]:
-    """The plan: open, hold, close.
-
-    Returns
-    -------
-    tuple of two ndarray, shape (n + 1,) each
-        Angle [rad] and speed [rad/s] at the control periods' ends.
-    """
+    """The plan: angle [rad] and speed [rad/s] at the control periods' ends, shape (n + 1,) each."""
     periods = round(DURATION / CONTROL_PERIOD)
     return MOTION.sample(MOTION.dwell + CONTROL_PERIOD * np.arange(periods + 1))
 
 
 @dataclass(frozen=True)
 class MotorCycle:
-    """Figures of a run in which the motor opens, holds and closes the door.
-
-    Parameters
-    ----------
-    record : Record
-        The run.
-    """
+    """Figures of a run in which the motor opens, holds and closes the door. `record`: the run."""
 
     record: Record
 
@@ -449,8 +279,7 @@ class MotorCycle:
 
     @property
     def move_energy(self) -> float:
-        """Energy from the supply for opening and closing, energy given back deducted [J]: the cycle's energy
-        less that of its hold."""
+        """Energy from the supply, less what is given back, of the cycle without its hold [J]."""
         return self.record.net_energy - self.hold_power * MOTION.dwell
 
     @property
@@ -465,18 +294,8 @@ class MotorCycle:
 
 
 def break_even(plain: MotorCycle, cam: MotorCycle) -> float:
-    """The time of holding from which on the cam saves energy.
+    """The time of holding [s] after which the cycle with the cam has taken less from the supply.
 
-    Parameters
-    ----------
-    plain : MotorCycle
-        The run of the door without cam.
-    cam : MotorCycle
-        The run of the door with the cam.
-
-    Returns
-    -------
-    float
-        Time [s] after which the cycle with the cam has taken less from the supply.
+    `plain`, `cam`: the runs of the door without and with the cam.
     """
     return (cam.move_energy - plain.move_energy) / (plain.hold_power - cam.hold_power)

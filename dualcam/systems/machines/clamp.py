@@ -1,12 +1,9 @@
 """A spring clamp with the dual cam in a cold hall: its cam, its servo, its grease, its thermal network.
 
-A servo loads the clamp's spring, the stick band holds the clamp, the servo releases the spring, and the next
-workpiece comes. Friction turns a part of each cycle's work into heat. The heat warms the grease, and the
-warm grease changes the friction of the next cycles.
-
-The loop over the temperature is closed outside the FMU, once per cycle, while the clamp rests. The heat of
-both contacts (`energy.heat_cam1`, `energy.heat_cam2`) goes into the thermal network. The temperature of the
-contact zone gives `cam1.stribeck_velocity` and `cam1.friction_viscous` (likewise cam2), which are tuned.
+Friction turns a part of each cycle's work into heat, which warms the grease and changes the friction. The
+loop over the temperature is closed outside the FMU, once per cycle, while the clamp rests: the heat of both
+contacts goes into the thermal network, and the temperature of the contact zone gives
+`cam1.stribeck_velocity` and `cam1.friction_viscous` (likewise cam2), which are tuned.
 
 The viscosity of the grease is that of a data sheet. The coefficients of friction and the thermal network are
 plausible for greased steel and a housing of 1 kg, not measured.
@@ -64,69 +61,27 @@ TUNED = ("stribeck_velocity", "friction_viscous")  # of each cam
 def cam(temperature: float, speed: float = 0.0) -> HelicalCam:
     """The cam with the friction at one sliding speed of both contacts.
 
-    Parameters
-    ----------
-    temperature : float
-        Temperature of the contact zone [K].
-    speed : float
-        Sliding speed [m/s]; 0: at rest.
-
-    Returns
-    -------
-    HelicalCam
+    `temperature` of the contact zone [K]. `speed`: sliding speed [m/s]; 0: at rest.
     """
     mu = GREASE.coefficient(speed, temperature)
     return HelicalCam(RADIUS, LEAD_ANGLE, (mu, mu), PRELOAD, STIFFNESS)
 
 
 def sliding_speed(omega: float) -> float:
-    """Sliding speed of each contact: both grooves are alike, so each takes half of the turn.
-
-    Parameters
-    ----------
-    omega : float
-        Speed of the shaft [rad/s].
-
-    Returns
-    -------
-    float
-        Sliding speed [m/s].
-    """
+    """Sliding speed of each contact [m/s]: each groove takes half of `omega` of the shaft [rad/s]."""
     return 0.5 * abs(omega) * RADIUS[0] / float(np.cos(LEAD_ANGLE[0]))
 
 
 def steady_torque(theta: float, omega: float, temperature: float) -> float:
-    """The torque of a motion without acceleration, in closed form.
+    """The torque of a motion without acceleration, in closed form [N.m].
 
-    Parameters
-    ----------
-    theta : float
-        Angle [rad].
-    omega : float
-        Speed [rad/s], not 0; > 0 loads.
-    temperature : float
-        Temperature of the contact zone [K].
-
-    Returns
-    -------
-    float
-        Torque [N.m].
+    `theta`: angle [rad]. `omega`: speed [rad/s], not 0; > 0 loads. `temperature` of the contact zone [K].
     """
     return cam(temperature, sliding_speed(omega)).torque(theta, omega)
 
 
 def plant_parameters(temperature: float) -> dict[str, float]:
-    """Start values of the forward FMU.
-
-    Parameters
-    ----------
-    temperature : float
-        Temperature of the contact zone [K].
-
-    Returns
-    -------
-    dict of str to float
-    """
+    """Start values of the forward FMU at a `temperature` of the contact zone [K]."""
     return {
         **cam(temperature).parameters(),
         **GREASE.parameters(temperature),
@@ -139,12 +94,8 @@ def plant_parameters(temperature: float) -> dict[str, float]:
 class ServoSample(NamedTuple):
     """What the servo plans for one of its samples.
 
-    Parameters
-    ----------
-    torque : float
-        Feed-forward in the middle of the sample: inertia and the known friction [N.m].
-    angle, speed : float
-        Reference at the time of the measurement, one sample earlier [rad, rad/s].
+    `torque`: feed-forward in the middle of the sample: inertia and the known friction [N.m]. `angle`,
+    `speed`: reference at the time of the measurement, one sample earlier [rad, rad/s].
     """
 
     torque: float
@@ -159,12 +110,8 @@ class Servo:
     The command that acts in a sample is computed from the measurement one sample earlier. After a move and
     SETTLING the servo keeps its torque until the next move: the stick band holds the clamp.
 
-    Parameters
-    ----------
-    friction : float
-        Coulomb coefficient that the servo knows [1].
-    bandwidth : float
-        Both poles of the error without friction [rad/s].
+    `friction`: Coulomb coefficient that the servo knows [1]. `bandwidth`: both poles of the error without
+    friction [rad/s].
     """
 
     friction: float = SERVO_FRICTION
@@ -176,13 +123,7 @@ class Servo:
         return HelicalCam(RADIUS, LEAD_ANGLE, (self.friction, self.friction), PRELOAD, STIFFNESS)
 
     def plan(self) -> list[list[ServoSample]]:
-        """The samples of one cycle in which the servo is active.
-
-        Returns
-        -------
-        list of list of ServoSample
-            Those of loading and those of releasing, each with the settling after the move.
-        """
+        """The samples of one cycle in which the servo is active, of loading and of releasing."""
         half, active = SAMPLES_PER_CYCLE // 2, round((MOTION.move + SETTLING) / SAMPLE)
         times = MOTION.dwell + SAMPLE * np.arange(-1, SAMPLES_PER_CYCLE + 1)
         angle, speed = MOTION.sample(times)
@@ -209,19 +150,9 @@ class Servo:
         return float(INERTIA * acceleration + friction)
 
     def command(self, sample: ServoSample, angle: float, speed: float) -> float:
-        """The torque for a sample.
+        """The torque [N.m] for a `sample` of the plan.
 
-        Parameters
-        ----------
-        sample : ServoSample
-            The plan for that sample.
-        angle, speed : float
-            The measurement, one sample earlier [rad, rad/s].
-
-        Returns
-        -------
-        float
-            Torque [N.m].
+        `angle`, `speed`: the measurement, one sample earlier [rad, rad/s].
         """
         damping, stiffness = 2.0 * self.bandwidth * INERTIA, self.bandwidth**2 * INERTIA
         return sample.torque + damping * (sample.speed - speed) + stiffness * (sample.angle - angle)
@@ -230,14 +161,8 @@ class Servo:
 class MidStroke(NamedTuple):
     """The middle of a move, where the planned acceleration is zero.
 
-    Parameters
-    ----------
-    torque : float
-        Torque of the servo [N.m].
-    theta, omega, alpha : float
-        Motion of the shaft [rad, rad/s, rad/s2].
-    friction_coefficient : float
-        Friction coefficient of the contacts with cam 1 [1].
+    `torque` of the servo [N.m]. `theta`, `omega`, `alpha`: motion of the shaft [rad, rad/s, rad/s2].
+    `friction_coefficient`: friction coefficient of the contacts with cam 1 [1].
     """
 
     torque: float
@@ -253,20 +178,13 @@ class WarmUp:
 
     Attributes
     ----------
-    thermal : list of ThermalState
-        Temperatures and heat accounts at the beginning of each cycle, and at the end of the last one.
-    friction_heat : list of float
-        Heat of both contacts over the cycle [J], from the FMU's ledger.
-    loading, releasing : list of MidStroke
-        The middle of both moves.
-    largest_torque : list of float
-        Largest torque of the servo [N.m].
-    largest_error : list of float
-        Largest distance of the angle from the reference [rad].
-    ledger_heat : float
-        Heat of both contacts at the end of the run [J], from the FMU's ledger.
-    ledger_residual : float
-        What the FMU's energy balance leaves over at the end of the run [J].
+    thermal : Temperatures and heat accounts at the beginning of each cycle, and at the end of the last one.
+    friction_heat : Heat of both contacts over the cycle [J], from the FMU's ledger.
+    loading, releasing : The middle of both moves.
+    largest_torque : Largest torque of the servo [N.m].
+    largest_error : Largest distance of the angle from the reference [rad].
+    ledger_heat : Heat of both contacts at the end of the run [J], from the FMU's ledger.
+    ledger_residual : What the FMU's energy balance leaves over at the end of the run [J].
     """
 
     thermal: list[ThermalState] = field(default_factory=list)
@@ -284,36 +202,15 @@ class WarmUp:
         return np.arange(len(self.friction_heat), dtype=np.float64) * MOTION.period
 
     def column(self, name: str) -> Array:
-        """A temperature at the beginning of each cycle.
-
-        Parameters
-        ----------
-        name : {"contact", "housing"}
-
-        Returns
-        -------
-        ndarray, shape (n,)
-            Temperature [degC].
-        """
+        """A temperature at the beginning of each cycle [degC], shape (n,). `name`: "contact" or "housing"."""
         return np.array([getattr(state, name) - CELSIUS for state in self.thermal[:-1]], dtype=np.float64)
 
 
 class Clamp:
     """The forward FMU as the clamp, driven by the servo.
 
-    Parameters
-    ----------
-    fmu : Fmu
-        The forward FMU.
-    temperature : float
-        Temperature of the contact zone at the start [K].
-    servo : Servo
-        The servo.
-
-    Raises
-    ------
-    FmuError
-        `fmu` is not the forward FMU.
+    `fmu`: the forward FMU. `temperature` of the contact zone at the start [K]. `servo`: the servo. FmuError:
+    `fmu` is not the forward FMU.
     """
 
     def __init__(self, fmu: Fmu, temperature: float, servo: Servo) -> None:
@@ -330,24 +227,12 @@ class Clamp:
         return float(sum(self._heats.read()))
 
     def warm_to(self, temperature: float) -> None:
-        """Tune the friction to a temperature of the contact zone.
-
-        Parameters
-        ----------
-        temperature : float
-            Temperature [K].
-        """
+        """Tune the friction to a `temperature` of the contact zone [K]."""
         self._tuned.values = [*GREASE.law(temperature)] * 2
         self._tuned.write()
 
     def cycle(self, record: WarmUp) -> None:
-        """One cycle, added to the record.
-
-        Parameters
-        ----------
-        record : WarmUp
-            The record; its thermal state stays as it is.
-        """
+        """One cycle, added to the `record`, whose thermal state stays as it is."""
         begin = self.heat
         largest_torque = largest_error = 0.0
         for plan, middles in zip(self._plan, (record.loading, record.releasing), strict=True):
@@ -372,27 +257,9 @@ class Clamp:
 def run(fmu: Fmu, cycles: int, *, warming: bool = True, servo: Servo | None = None) -> WarmUp:
     """Clamp and release many times, from a cold start.
 
-    Parameters
-    ----------
-    fmu : Fmu
-        The forward FMU.
-    cycles : int
-        Number of cycles.
-    warming : bool
-        Whether the friction follows the temperature. False: the friction stays that of the cold start.
-    servo : Servo, optional
-        The servo. Default: `Servo()`.
-
-    Returns
-    -------
-    WarmUp
-
-    Raises
-    ------
-    FmuError
-        `fmu` is not the forward FMU.
-    DesignError
-        The contact zone gets hotter than the viscosity law allows.
+    `fmu`: the forward FMU. `cycles`: number of cycles. `warming`: whether the friction follows the
+    temperature; else it stays that of the cold start. `servo`: default `Servo()`. FmuError: `fmu` is not the
+    forward FMU. DesignError: the contact zone gets hotter than the viscosity law allows.
 
     Examples
     --------
@@ -417,18 +284,9 @@ def run(fmu: Fmu, cycles: int, *, warming: bool = True, servo: Servo | None = No
 
 
 def steady_middle(middle: MidStroke, temperature: float) -> tuple[float, float]:
-    """The closed formula beside a measured middle of a move.
+    """The torque of the servo less that of the inertia in a measured middle of a move, and `steady_torque` at
+    the same angle and speed [N.m].
 
-    Parameters
-    ----------
-    middle : MidStroke
-        The measurement.
-    temperature : float
-        Temperature of the contact zone in that cycle [K].
-
-    Returns
-    -------
-    tuple of float
-        Torque of the servo less that of the inertia, and `steady_torque` at the same angle and speed [N.m].
+    `middle`: the measurement. `temperature` of the contact zone in that cycle [K].
     """
     return middle.torque - INERTIA * middle.alpha, steady_torque(middle.theta, middle.omega, temperature)

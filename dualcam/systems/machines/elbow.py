@@ -46,63 +46,22 @@ REST = RestLimits(
 
 
 def weight(payload: Number) -> GravityLoad[Number]:
-    """The arm's weight on the elbow.
-
-    Parameters
-    ----------
-    payload : float or ndarray, shape (count,)
-        Mass of the payload [kg].
-
-    Returns
-    -------
-    GravityLoad
-        The weight.
-    """
+    """The arm's weight on the elbow. `payload`: mass of the payload [kg], float or shape (count,)."""
     return arm_weight(payload, LEAN)
 
 
 def inertia(payload: Number) -> Number:
-    """The inertia of arm and rotor about the elbow.
-
-    Parameters
-    ----------
-    payload : float or ndarray, shape (count,)
-        Mass of the payload [kg].
-
-    Returns
-    -------
-    float or ndarray, shape (count,)
-        Inertia [kg.m2].
-    """
+    """The inertia of arm and rotor about the elbow [kg.m2] with a mass `payload` [kg], of its shape."""
     return AK80_6.inertia + arm_inertia(payload)
 
 
 def design_cam() -> HelicalCam:
-    """The cam whose stick band has its middle on gravity at the design payload, by least squares.
-
-    Returns
-    -------
-    HelicalCam
-        The cam with its spring.
-    """
+    """The cam with the spring that puts the middle of the stick band on gravity at the design payload."""
     return fit_spring(HELIX, weight(DESIGN_PAYLOAD).torque, 0.0, RANGE)
 
 
 def plant_parameters(cam: HelicalCam, payload: float) -> dict[str, float | int]:
-    """Start values of the FMU for the joint.
-
-    Parameters
-    ----------
-    cam : HelicalCam
-        The cam.
-    payload : float
-        Mass of the payload [kg].
-
-    Returns
-    -------
-    dict of str to float or int
-        Values by name, in SI units.
-    """
+    """Start values of the FMU for the joint with a `cam` by name, in SI units. `payload`: its mass [kg]."""
     return {
         **cam.parameters(),
         "inertia.shaft": inertia(payload),
@@ -113,21 +72,10 @@ def plant_parameters(cam: HelicalCam, payload: float) -> dict[str, float | int]:
 
 
 def controller(cam: HelicalCam, payload: float, friction: float = FRICTION_BELIEVED) -> PositionController:
-    """The position controller, which believes in PAYLOAD_ERROR more payload.
+    """The position controller, whose model of the joint has PAYLOAD_ERROR more payload.
 
-    Parameters
-    ----------
-    cam : HelicalCam
-        The true cam.
-    payload : float
-        True mass of the payload [kg].
-    friction : float
-        Share of the cam's friction that the controller believes [1].
-
-    Returns
-    -------
-    PositionController
-        With the model of the joint that it believes.
+    `cam`: the true cam. `payload`: true mass of the payload [kg]. `friction`: share of the cam's friction
+    that the controller believes [1].
     """
     told = payload + PAYLOAD_ERROR
     return PositionController(
@@ -142,46 +90,18 @@ def controller(cam: HelicalCam, payload: float, friction: float = FRICTION_BELIE
 
 
 def reference_motion() -> tuple[Array, Array]:
-    """The plan: all cycles of pick and place.
-
-    Returns
-    -------
-    tuple of two ndarray, shape (n + 1,) each
-        Angle [rad] and speed [rad/s] at the control periods' ends.
-    """
+    """Planned angle [rad] and speed [rad/s] at the control periods' ends, all cycles, shape (n + 1,) each."""
     periods = round(CYCLES * MOTION.period / CONTROL_PERIOD)
     return MOTION.sample(CONTROL_PERIOD * np.arange(periods + 1))
 
 
 def horizontal_torque(payload: float) -> float:
-    """Gravity's torque about the elbow with the arm horizontal.
-
-    Parameters
-    ----------
-    payload : float
-        Mass of the payload [kg].
-
-    Returns
-    -------
-    float
-        Torque [N.m].
-    """
+    """Gravity's torque about the elbow with the arm horizontal [N.m] and a mass `payload` [kg]."""
     return weight(payload).torque(0.5 * math.pi - LEAN)
 
 
 def friction_heat_of_slow_cycle(cam: HelicalCam) -> float:
-    """The friction heat of a slow cycle over the motion's travel: the area between T_load and T_release.
-
-    Parameters
-    ----------
-    cam : HelicalCam
-        The cam.
-
-    Returns
-    -------
-    float
-        Heat [J].
-    """
+    """The friction heat [J] of the `cam` in a slow cycle: the area between T_load and T_release."""
     middle = 0.5 * (MOTION.start + MOTION.end)  # the band is affine in theta, so its mean is its middle
     release, load = cam.band(middle)
     return (load - release) * (MOTION.end - MOTION.start)
@@ -191,14 +111,7 @@ def friction_heat_of_slow_cycle(cam: HelicalCam) -> float:
 class Cycle:
     """Figures of the last cycle of a run.
 
-    Parameters
-    ----------
-    payload : float
-        Mass of the payload [kg].
-    joint : str
-        Name of the joint.
-    full_record : Record
-        The run from the start.
+    `payload`: mass of the payload [kg]. `joint`: name of the joint. `full_record`: the run from the start.
     """
 
     payload: float

@@ -40,35 +40,17 @@ GOALS = ANGLES[::RATIO]
 
 
 def estimator(random: np.random.Generator, count: int = 64) -> PayloadFilter:
-    """A filter that knows the ranges of payload and friction alone.
+    """A filter that knows the ranges of payload and friction alone, at the beginning of the cycle.
 
-    Parameters
-    ----------
-    random : numpy.random.Generator
-        Where the random numbers come from.
-    count : int
-        Number of particles.
-
-    Returns
-    -------
-    PayloadFilter
-        For the beginning of the cycle.
+    `random`: where the random numbers come from. `count`: number of particles.
     """
     return PayloadFilter(CAM, PAYLOADS, FRICTIONS, float(ANGLES[0]), count, PERIOD, COUNT, random)
 
 
 def informed(payload: float, friction: float) -> PayloadFilter:
-    """A filter that is told payload and friction, and estimates the state alone.
+    """A filter of one particle that is told payload and friction, and estimates the state alone.
 
-    Parameters
-    ----------
-    payload, friction : float
-        Payload [kg] and Coulomb coefficient of both contacts [1].
-
-    Returns
-    -------
-    PayloadFilter
-        With one particle.
+    `payload` [kg]. `friction`: Coulomb coefficient of both contacts [1].
     """
     ranges, random = ((payload, payload), (friction, friction)), np.random.default_rng(0)
     return PayloadFilter(CAM, *ranges, float(ANGLES[0]), 1, PERIOD, COUNT, random)
@@ -77,16 +59,9 @@ def informed(payload: float, friction: float) -> PayloadFilter:
 def plan_noises(plans: int) -> list[Noise]:
     """Deviations of plans: one half for ways out of stick, the other for following the motion closely.
 
-    Parameters
-    ----------
-    plans : int
-        Number of random plans; each deviation serves two.
-
-    Returns
-    -------
-    list of Noise
-        Splines of 0.02 to 3 N.m, and splines shaped by the curvature of the cost of an arm without friction.
-        A torque of 0.1 N.m over the whole horizon would lead such an arm 20 mrad astray, a short one hardly.
+    They are splines of 0.02 to 3 N.m, and splines shaped by the curvature of the cost of an arm without
+    friction. A torque of 0.1 N.m over the whole horizon would lead such an arm 20 mrad astray, a short one
+    hardly. `plans`: number of random plans; each deviation serves two.
     """
     i = np.arange(HORIZON)
     inertia = elbow.inertia(elbow.DESIGN_PAYLOAD)
@@ -112,20 +87,16 @@ class Mppi:
 
     Parameters
     ----------
-    belief : PayloadFilter
-        What the controller believes of payload, friction and state.
-    random : numpy.random.Generator
-        Where the random numbers come from.
-    plans : int
-        Random plans per period.
-    hypotheses : int
+    belief : What the controller believes of payload, friction and state.
+    random : Where the random numbers come from.
+    plans : Random plans per period.
+    hypotheses
         0: plans run on the mean of the belief. Else each plan runs on that many particles of the filter, and
         its cost is their mean.
 
     Attributes
     ----------
-    planner : PathIntegralPlanner
-        The present plan.
+    planner : The present plan.
 
     Examples
     --------
@@ -147,20 +118,7 @@ class Mppi:
         self._now = self._due = 0.0  # N.m, of the present and of the coming period of 10 ms
 
     def torque(self, angle: float, k: int) -> float:
-        """The motor's torque for a control period.
-
-        Parameters
-        ----------
-        angle : float
-            Angle that the encoder shows at the beginning of the period [rad].
-        k : int
-            Number of the control period.
-
-        Returns
-        -------
-        float
-            Torque at the output [N.m].
-        """
+        """The motor's torque [N.m] in control period `k`; `angle`: the encoder's at its beginning [rad]."""
         if k % RATIO == 0:
             before, self._now = self._now, self._due
             if k > 0:
@@ -183,40 +141,22 @@ class Mppi:
         return 0.0 if let_go <= kept + NEGLIGIBLE else float(plan[0])
 
     def costs(self, start: Belief, period: int, plans: Array) -> Array:
-        """What plans cost, as the mean of the hypotheses.
+        """What plans cost, as the mean of the hypotheses [J], shape (count,).
 
-        Parameters
-        ----------
-        start : Belief
-            Hypotheses at the beginning of `period`. The torque of that period is already decided.
-        period : int
-            Number of the period of 10 ms; the plans begin with the next one.
-        plans : ndarray, shape (count, horizon)
-            Torques [N.m]; 2 plans or as many as the planner's candidates.
-
-        Returns
-        -------
-        ndarray, shape (count,)
-            Costs [J].
+        `start`: hypotheses at the beginning of `period`. The torque of that period is already decided.
+        `period`: number of the period of 10 ms; the plans begin with the next one. `plans`: torques [N.m],
+        shape (count, horizon); 2 plans or as many as the planner's candidates.
         """
         error = self.rollouts(start, plans) - GOALS[period + 2 : period + 2 + HORIZON]
         squared = np.einsum("ijk,ijk->i", error, error) / error.shape[1]
         return PERIOD * (ERROR_COST * squared + HEAT_FACTOR * np.einsum("ij,ij->i", plans, plans))
 
     def rollouts(self, start: Belief, plans: Array) -> Array:
-        """Run every plan on every hypothesis, after one period under the torque that is already decided.
+        """Angles [rad] at the periods' ends of every plan on every hypothesis, shape (count, hypotheses,
+        horizon).
 
-        Parameters
-        ----------
-        start : Belief
-            The hypotheses.
-        plans : ndarray, shape (count, horizon)
-            Torques [N.m].
-
-        Returns
-        -------
-        ndarray, shape (count, hypotheses, horizon)
-            Angles at the ends of the periods [rad].
+        A period under the torque that is already decided comes first. `start`: the hypotheses. `plans`:
+        torques [N.m], shape (count, horizon).
         """
         bank, count = self._banks[len(plans)], len(plans)
         each = Belief(*(np.tile(values, count) for values in start))
@@ -233,15 +173,9 @@ class Mppi:
 class Lqi:
     """The LQI of the example robot_joint, with the design's payload and friction or with better knowledge.
 
-    Parameters
-    ----------
-    payload, friction : float
-        Payload [kg] and Coulomb coefficient [1] that the controller believes. Default: those of the cam's
-        design.
-    belief : PayloadFilter, optional
-        Gives payload and friction anew every 10 ms.
-    bandwidth : float
-        Of the position loop [Hz].
+    `payload`, `friction`: payload [kg] and Coulomb coefficient [1] that the controller believes. Default:
+    those of the cam's design. `belief`: gives payload and friction anew every 10 ms. `bandwidth`: of the
+    position loop [Hz].
     """
 
     def __init__(
@@ -263,20 +197,7 @@ class Lqi:
         self.controller.cam = replace(CAM, friction=(friction, friction))
 
     def torque(self, angle: float, k: int) -> float:
-        """The motor's torque for a control period.
-
-        Parameters
-        ----------
-        angle : float
-            Angle that the encoder shows at the beginning of the period [rad].
-        k : int
-            Number of the control period.
-
-        Returns
-        -------
-        float
-            Torque at the output [N.m].
-        """
+        """The motor's torque [N.m] in control period `k`; `angle`: the encoder's at its beginning [rad]."""
         if self.belief is not None and k > 0 and k % RATIO == 0:
             self.belief.update(self._sum / RATIO, angle)
             mean = self.belief.mean()

@@ -29,23 +29,15 @@ class Walker:
 
     Parameters
     ----------
-    name : str
-        Name of the walker.
-    mass : float
-        Mass of the body [kg].
-    shank : float
-        Length from knee to ankle [m].
-    stride : float
-        Duration of a stride at the self-selected cadence [s].
-    thigh : tuple of float
-        Series of the thigh's inclination [rad], + knee ahead of the hip.
-    knee : tuple of float
-        Series of the knee's flexion [rad].
-    forward : tuple[float, ...]
-        m, the knee's path
-    upward : tuple[float, ...]
-        m
-    published : tuple of tuple of float
+    name : Name of the walker.
+    mass : Mass of the body [kg].
+    shank : Length from knee to ankle [m].
+    stride : Duration of a stride at the self-selected cadence [s].
+    thigh : Series of the thigh's inclination [rad], + knee ahead of the hip.
+    knee : Series of the knee's flexion [rad].
+    forward : m, the knee's path
+    upward : m
+    published
         Published figures: percent of the stride, knee flexion [deg], knee extension moment [N.m per kg of
         body mass].
     """

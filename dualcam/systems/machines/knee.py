@@ -37,36 +37,12 @@ START_SINE = 0.995  # S at full extension: the arc starts near the ellipse's ste
 
 
 def inertia(walker: Walker) -> float:
-    """The inertia of shank, foot and rotor about the knee.
-
-    Parameters
-    ----------
-    walker : Walker
-        The measured walker.
-
-    Returns
-    -------
-    float
-        Inertia [kg.m2].
-    """
+    """The inertia of shank, foot and rotor about the knee of a `walker` [kg.m2]."""
     return walker.pendulum.inertia + MOTOR.inertia
 
 
 def swing(walker: Walker, cadence: float) -> Swing:
-    """The measured swing of a walker.
-
-    Parameters
-    ----------
-    walker : Walker
-        The measured walker.
-    cadence : float
-        Share of the self-selected cadence [1].
-
-    Returns
-    -------
-    Swing
-        Sampled with the control period.
-    """
+    """The measured swing of a `walker`, sampled. `cadence`: share of the self-selected cadence [1]."""
     return measured_swing(walker, cadence, MOTOR.inertia)
 
 
@@ -78,23 +54,9 @@ def elliptical_cam(
 ) -> EllipticalCam:
     """A cam from its slope at full extension and the sine S of the arc at the end of the range.
 
-    Parameters
-    ----------
-    slope : float
-        Tangent of the lead angle at full extension [1].
-    end : float
-        S at the end of the range [1].
-    stiffness : float
-        Stiffness of the spring [N/m].
-    damping : float
-        Damping while the spring is released [N.s/m].
-    friction : float
-        Coulomb coefficient [1].
-
-    Returns
-    -------
-    EllipticalCam
-        The cam.
+    `slope`: tangent of the lead angle at full extension [1]. `end`: S at the end of the range [1].
+    `stiffness` of the spring [N/m]. `damping` while the spring is released [N.s/m]. `friction`: Coulomb
+    coefficient [1].
     """
     a = 0.5 * GROOVE_RADIUS * RANGE / (START_SINE - end)
     b = a * slope * math.sqrt(1.0 - START_SINE**2) / START_SINE
@@ -102,57 +64,20 @@ def elliptical_cam(
 
 
 def residual_torque(cam: EllipticalCam, motion: Swing) -> Array:
-    """The torque that the motor must add for the joint to follow the measured motion.
-
-    Parameters
-    ----------
-    cam : EllipticalCam
-        The cam.
-    motion : Swing
-        The measured motion.
-
-    Returns
-    -------
-    ndarray, shape (n + 1,)
-        Torque [N.m].
-    """
+    """Torque that the motor adds to the `cam` to follow the measured `motion` [N.m], shape (n + 1,)."""
     return cam.torque(motion.angle, motion.speed) - motion.demand
 
 
 def residual_share(cam: EllipticalCam, motion: Swing) -> float:
-    """The mean square of the residual torque over that without the cam.
-
-    Parameters
-    ----------
-    cam : EllipticalCam
-        The cam.
-    motion : Swing
-        The measured motion.
-
-    Returns
-    -------
-    float
-        Share [1].
-    """
+    """Mean square of the residual torque with a `cam` over that without [1], along the measured `motion`."""
     return float(np.mean(residual_torque(cam, motion) ** 2) / np.mean(motion.demand**2))
 
 
 def design_cam(friction: float = FRICTION) -> EllipticalCam:
-    """Slope and flattening of the groove, spring and damper, by least squares over the first subject's
-    self-selected swing.
+    """The cam, with spring and damper, by least squares over the first subject's self-selected swing.
 
     With the motor off the cam's torque should equal what the measured motion asks for. The squared torque
-    left to the motor is minimal, and with it the motor's heat.
-
-    Parameters
-    ----------
-    friction : float
-        Coulomb coefficient [1].
-
-    Returns
-    -------
-    EllipticalCam
-        The cam with its spring and damper.
+    left to the motor is minimal, and with it the motor's heat. `friction`: Coulomb coefficient [1].
     """
     motion = swing(DESIGN_WALKER, 1.0)
 
@@ -169,20 +94,7 @@ def design_cam(friction: float = FRICTION) -> EllipticalCam:
 
 
 def best_damping_scale(cam: EllipticalCam, motion: Swing) -> float:
-    """The damping with the least residual torque.
-
-    Parameters
-    ----------
-    cam : EllipticalCam
-        The cam.
-    motion : Swing
-        The measured motion.
-
-    Returns
-    -------
-    float
-        Damping over that of `cam` [1].
-    """
+    """The damping, over that of the `cam` [1], with the least residual torque along the measured `motion`."""
 
     def cost(setting: float) -> float:
         return residual_share(cam.with_damping_scaled(setting), motion)
@@ -194,69 +106,27 @@ def best_damping_scale(cam: EllipticalCam, motion: Swing) -> float:
 
 
 def impedance(inertia: float, frequency: float = NATURAL_FREQUENCY) -> ImpedanceController:
-    """The controller of all joints.
+    """The controller of all joints, with DAMPING_RATIO.
 
-    Parameters
-    ----------
-    inertia : float
-        Inertia of the joint [kg.m2].
-    frequency : float
-        Natural frequency of the inertia on the virtual spring [Hz].
-
-    Returns
-    -------
-    ImpedanceController
-        With DAMPING_RATIO.
+    `inertia` of the joint [kg.m2]. `frequency`: natural frequency of the inertia on the virtual spring [Hz].
     """
     return ImpedanceController.tuned(inertia, frequency, DAMPING_RATIO)
 
 
 def plant_parameters(cam: Mapping[str, float], walker: Walker) -> dict[str, float]:
-    """Start values of the FMU for the knee.
-
-    Parameters
-    ----------
-    cam : mapping of str to float
-        Start values of the cam.
-    walker : Walker
-        The measured walker.
-
-    Returns
-    -------
-    dict of str to float
-        Values by name, in SI units.
-    """
+    """Start values of the FMU for the knee of a `walker`, and of its `cam`, by name, in SI units."""
     return {**cam, "inertia.shaft": inertia(walker), "stop.lower": 0.0, "stop.upper": RANGE}
 
 
 def simulate(
     fmu: Fmu, motion: Swing, cam: Mapping[str, float], controller: ImpedanceController | None
 ) -> KneeSwing:
-    """One swing.
+    """Run one swing.
 
     The drive goes to the FMU as a polynomial of time with its first two derivatives, the motor's torque as
-    the control period's mean.
-
-    Parameters
-    ----------
-    fmu : Fmu
-        The forward FMU.
-    motion : Swing
-        The measured motion, which is the plan.
-    cam : mapping of str to float
-        Start values of the cam.
-    controller : ImpedanceController or None
-        None: the motor is off.
-
-    Returns
-    -------
-    KneeSwing
-        The run.
-
-    Raises
-    ------
-    FmuError
-        The FMU refuses a value or a step.
+    the control period's mean. `fmu`: the forward FMU. `motion`: the measured motion, which is the plan.
+    `cam`: start values of the cam. `controller`: none: the motor is off. FmuError: the FMU refuses a value or
+    a step.
     """
     walker, pendulum, period = motion.walker, motion.walker.pendulum, motion.period
     axis = CamAxis(fmu)
@@ -285,14 +155,8 @@ def simulate(
 class KneeSwing:
     """One simulated swing and its figures.
 
-    Parameters
-    ----------
-    motion : Swing
-        The measured motion, which is the plan.
-    inertia : float
-        Inertia of shank, foot and rotor about the knee [kg.m2].
-    record : Record
-        The run.
+    `motion`: the measured motion, which is the plan. `inertia` of shank, foot and rotor about the knee
+    [kg.m2]. `record`: the run.
     """
 
     motion: Swing
@@ -346,8 +210,7 @@ class KneeSwing:
 
     @property
     def impact_speed(self) -> float:
-        """Speed at which the shank hits full extension, of the hardest hit [deg/s], from the stop's heat
-        I omega^2/2."""
+        """Speed of the hardest hit at full extension [deg/s], from the stop's heat I omega^2/2."""
         heat = np.max(
             np.diff(self.record.ledger["heat_stop"], prepend=0.0),
             where=self.record.angle < 0.5 * RANGE,

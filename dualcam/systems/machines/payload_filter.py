@@ -29,14 +29,8 @@ EVOLUTION = (0.03, 0.003)  # kg, 1: least standard deviation that is added when 
 class Belief(NamedTuple):
     """States of the arm with payload and friction, one entry per hypothesis.
 
-    Parameters
-    ----------
-    angle, speed : ndarray, shape (count,)
-        State [rad, rad/s].
-    payload : ndarray, shape (count,)
-        Payload [kg].
-    friction : ndarray, shape (count,)
-        Coulomb coefficient of both contacts [1].
+    `angle`, `speed`: state [rad, rad/s], shape (count,). `payload` [kg], shape (count,). `friction`: Coulomb
+    coefficient of both contacts [1], shape (count,).
     """
 
     angle: Array
@@ -51,21 +45,10 @@ class Belief(NamedTuple):
 
 
 def systematic_draw(weights: Array, count: int, random: np.random.Generator) -> NDArray[np.intp]:
-    """Numbers drawn by their weights, with one random number for all of them.
+    """Numbers drawn by their weights, shape (count,), with one random number for all of them.
 
-    Parameters
-    ----------
-    weights : ndarray, shape (n,)
-        Weights with the sum 1.
-    count : int
-        How many to draw.
-    random : numpy.random.Generator
-        Where the random number comes from.
-
-    Returns
-    -------
-    ndarray of int, shape (count,)
-        Number i comes count weights[i] times, rounded up or down.
+    Number i comes count weights[i] times, rounded up or down. `weights` with the sum 1, shape (n,). `count`:
+    how many to draw. `random`: where the random number comes from.
 
     Examples
     --------
@@ -94,20 +77,13 @@ class PayloadFilter:
 
     Parameters
     ----------
-    cam : HelicalCam
-        The cam; its friction is not used.
-    payload, friction : tuple of float
-        Least and largest value [kg, 1]. Equal values: they are known.
-    angle : float
-        Angle at which the arm rests at the beginning [rad].
-    count : int
-        Number of particles.
-    period : float
-        Period of the encoder's readings [s].
-    resolution : float
-        One count of the encoder [rad].
-    random : numpy.random.Generator
-        Where the random numbers come from.
+    cam : The cam; its friction is not used.
+    payload, friction : Least and largest value [kg, 1]. Equal values: they are known.
+    angle : Angle at which the arm rests at the beginning [rad].
+    count : Number of particles.
+    period : Period of the encoder's readings [s].
+    resolution : One count of the encoder [rad].
+    random : Where the random numbers come from.
 
     Examples
     --------
@@ -162,17 +138,8 @@ class PayloadFilter:
     def update(self, torque: float, measured: float) -> None:
         """Take in one reading of the encoder.
 
-        Parameters
-        ----------
-        torque : float
-            Mean torque of the motor since the last reading [N.m].
-        measured : float
-            Angle that the encoder shows [rad].
-
-        Raises
-        ------
-        DualcamError
-            A value is not finite: the filter stays as it is.
+        `torque`: mean torque of the motor since the last reading [N.m]. `measured`: angle that the encoder
+        shows [rad]. DualcamError: a value is not finite: the filter stays as it is.
         """
         for name, value in (("torque", torque), ("measured", measured)):
             if not math.isfinite(value):
@@ -203,13 +170,7 @@ class PayloadFilter:
         self._log_weights[:] = 0.0
 
     def mean(self) -> Belief:
-        """The mean of all particles, as one hypothesis. The arm rests where it does for most of the weight.
-
-        Returns
-        -------
-        Belief
-            Arrays of shape (1,).
-        """
+        """The mean of all particles, of shape (1,); the arm rests where it does for most of the weight."""
         weights = self.weights
         angle, speed = self._state @ weights
         payload, friction = self._values @ weights
@@ -218,17 +179,6 @@ class PayloadFilter:
         return Belief(*(np.array([value]) for value in (angle, speed, payload, friction)))
 
     def draw(self, count: int) -> Belief:
-        """Some particles, drawn by weight.
-
-        Parameters
-        ----------
-        count : int
-            How many.
-
-        Returns
-        -------
-        Belief
-            Arrays of shape (count,).
-        """
+        """As many particles as `count`, drawn by weight: arrays of shape (count,)."""
         chosen = systematic_draw(self.weights, count, self._random)
         return Belief(*self._state[:, chosen], *self._values[:, chosen])

@@ -18,17 +18,7 @@ ELBOW_SPEED_LIMIT = math.radians(180.0)  # rad/s
 
 
 def arm_moment(payload: Number) -> Number:
-    """The first moment of the arm about the elbow.
-
-    Parameters
-    ----------
-    payload : float or ndarray, shape (count,)
-        Mass of the payload [kg].
-
-    Returns
-    -------
-    float or ndarray, shape (count,)
-        First moment [kg.m].
+    """The first moment of the arm about the elbow [kg.m] with a mass `payload` [kg], float or shape (count,).
 
     Notes
     -----
@@ -36,31 +26,13 @@ def arm_moment(payload: Number) -> Number:
     upright (the tool grips from the side): wrist and payload are then straight below wrist 1's axis. With the
     tool pointing down they are 0.085 m beside it. That adds the same torque at every angle, about 2 N.m at
     1.5 kg.
-
-    Examples
-    --------
-    >>> from dualcam.systems.machines.robot_arm import arm_moment
-    >>> round(arm_moment(1.5), 4)  # kg.m
-    0.9673
     """
     return FOREARM_MASS * FOREARM_CENTRE + (sum(WRIST_MASSES) + payload) * WRIST_DISTANCE
 
 
 def arm_inertia(payload: Number) -> Number:
-    """The inertia of the arm about the elbow, without the rotor.
+    """The inertia of the arm about the elbow [kg.m2], without the rotor, with a mass `payload` [kg].
 
-    Parameters
-    ----------
-    payload : float or ndarray, shape (count,)
-        Mass of the payload [kg].
-
-    Returns
-    -------
-    float or ndarray, shape (count,)
-        Inertia [kg.m2].
-
-    Notes
-    -----
     Wrist and payload move along without turning, so they add no inertia of their own. The moment with which
     wrist 1 keeps them level against acceleration, at most 0.4 N.m at 1.5 kg here, is left out.
     """
@@ -71,16 +43,7 @@ def arm_inertia(payload: Number) -> Number:
 def arm_weight(payload: Number, lean: float) -> GravityLoad[Number]:
     """The arm's weight on the elbow.
 
-    Parameters
-    ----------
-    payload : float or ndarray, shape (count,)
-        Mass of the payload [kg].
-    lean : float
-        The arm's angle from upright at theta = 0 [rad].
-
-    Returns
-    -------
-    GravityLoad
-        The weight.
+    `payload`: its mass [kg], float or shape (count,). `lean`: the arm's angle from upright at theta = 0
+    [rad].
     """
     return GravityLoad(moment=arm_moment(payload), lean=lean)

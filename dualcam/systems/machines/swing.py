@@ -27,26 +27,16 @@ class Swing:
 
     Attributes
     ----------
-    walker : Walker
-        The measured walker.
-    cadence : float
-        Share of the self-selected cadence [1].
-    rotor_inertia : float
-        Inertia of the rotor at the knee [kg.m2].
-    period : float
-        Control period [s].
-    time : ndarray, shape (n + 1,)
-        Time from toe-off [s].
-    extension : float
-        Knee angle at the stop [rad].
-    angle : ndarray, shape (n + 1,)
-        Measured knee angle from the stop [rad].
-    speed : ndarray, shape (n + 1,)
-        Its first time derivative [rad/s].
-    acceleration : ndarray, shape (n + 1,)
-        Its second time derivative [rad/s2].
-    hinge : list of HingeMotion
-        The motion of the knee itself, n + 1 entries.
+    walker : The measured walker.
+    cadence : Share of the self-selected cadence [1].
+    rotor_inertia : Inertia of the rotor at the knee [kg.m2].
+    period : Control period [s].
+    time : Time from toe-off [s], shape (n + 1,).
+    extension : Knee angle at the stop [rad].
+    angle : Measured knee angle from the stop [rad], shape (n + 1,).
+    speed : Its first time derivative [rad/s], shape (n + 1,).
+    acceleration : Its second time derivative [rad/s2], shape (n + 1,).
+    hinge : The motion of the knee itself, n + 1 entries.
     """
 
     walker: Walker
@@ -85,23 +75,10 @@ class Swing:
 def measured_swing(
     walker: Walker, cadence: float, rotor_inertia: float, period: float = CONTROL_PERIOD
 ) -> Swing:
-    """The measured swing of a walker, sampled.
+    """The measured swing of a `walker`, sampled from toe-off to heel strike.
 
-    Parameters
-    ----------
-    walker : Walker
-        The measured walker.
-    cadence : float
-        Share of the self-selected cadence [1].
-    rotor_inertia : float
-        Inertia of the rotor at the knee [kg.m2].
-    period : float
-        Control period [s].
-
-    Returns
-    -------
-    Swing
-        From toe-off to heel strike.
+    `cadence`: share of the self-selected cadence [1]. `rotor_inertia`: inertia of the rotor at the knee
+    [kg.m2]. `period`: control period [s].
 
     Examples
     --------
@@ -138,18 +115,7 @@ def measured_swing(
 
 
 def full_extension(walker: Walker) -> float:
-    """The smallest knee angle of the measured swing: the wearer's own full extension.
-
-    Parameters
-    ----------
-    walker : Walker
-        The measured walker.
-
-    Returns
-    -------
-    float
-        Angle [rad].
-    """
+    """The smallest knee angle [rad] of the `walker`'s measured swing: the wearer's own full extension."""
     knee = FourierSeries(walker.knee, 1.0)
 
     def angle(phase: float) -> float:
