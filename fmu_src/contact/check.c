@@ -7,24 +7,6 @@
 #include "model/csv_file.h"
 #include "model/friction_law.h"
 
-static bool is_level_helix(const CamParams *cam) {
-    return cam->profile == PROFILE_HELIX && cam->lead_angle == 0.0;
-}
-
-bool check_params(const Params *p, Fault *fault) {
-    if (is_level_helix(&p->cam[0]) && is_level_helix(&p->cam[1])) {
-        snprintf(fault->text, sizeof fault->text,
-                 "cam1.lead_angle = 0 and cam2.lead_angle = 0: at least one must be > 0, or nothing fixes the pin");
-        return false;
-    }
-    if (!(p->stop.lower < p->stop.upper)) {
-        snprintf(fault->text, sizeof fault->text, "stop.lower = %s must be < stop.upper = %s",
-                 shortest_decimal(p->stop.lower).text, shortest_decimal(p->stop.upper).text);
-        return false;
-    }
-    return true;
-}
-
 bool check_initial(const Params *p, Fault *fault) {
     if (p->initial.theta >= p->stop.lower && p->initial.theta <= p->stop.upper) return true;
     const bool below = p->initial.theta < p->stop.lower;

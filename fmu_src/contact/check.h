@@ -10,9 +10,6 @@
 
 /* Each function returns false and fills `fault` if its condition does not hold. */
 
-/* The stops are in order, and the lead angles are not both zero, so that the grooves fix the pin. */
-bool check_params(const Params *params, Fault *fault);
-
 /* initial.theta lies between the stops. Only a mechanism that starts from initial.theta needs this check. */
 bool check_initial(const Params *params, Fault *fault);
 

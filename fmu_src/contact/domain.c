@@ -43,10 +43,15 @@ static Resistance resistance_at_speed(const Params *p, int direction) {
     return by;
 }
 
-static double determinant_at(const Determinant *d, const double slope[2]) {
+static ContactFactors factors_at(const Determinant *d, const double slope[2]) {
     ContactFactors f;
     for (int i = 0; i < 2; i++) contact_factors_set(&f, i, d->params->cam[i].radius, d->f[i], slope[i]);
     contact_factors_multiply(&f);
+    return f;
+}
+
+static double determinant_at(const Determinant *d, const double slope[2]) {
+    const ContactFactors f = factors_at(d, slope);
     const double dgamma_dtheta = slope[1] / (slope[0] + slope[1]);
     return d->by.shaft * f.delta + d->by.follower * slope[0] * dgamma_dtheta * f.p +
            d->by.turning * dgamma_dtheta * f.q;
@@ -54,40 +59,21 @@ static double determinant_at(const Determinant *d, const double slope[2]) {
 
 /* ---- bounds ---- */
 
-typedef struct {
-    double low, high;
-} Range;
-
-static Range product(Range a, Range b) {
-    const double c[4] = {a.low * b.low, a.low * b.high, a.high * b.low, a.high * b.high};
-    return (Range){min_of(min_of(c[0], c[1]), min_of(c[2], c[3])), max_of(max_of(c[0], c[1]), max_of(c[2], c[3]))};
-}
-
-/* offset + factor a */
-static Range line(double offset, double factor, Range a) {
-    const double x = offset + factor * a.low, y = offset + factor * a.high;
-    return (Range){min_of(x, y), max_of(x, y)};
-}
-
-static Range total(Range a, Range b) {
-    return (Range){a.low + b.low, a.high + b.high};
-}
-
-/* A lower bound of D while the slopes stay in these ranges, by interval arithmetic. z' grows with both slopes, gamma'
- * with the slope of cam 2 alone. */
-static double determinant_bound(const Determinant *d, const Range a[2]) {
-    Range rn[2], arm[2];
-    for (int i = 0; i < 2; i++) {
-        const double r = d->params->cam[i].radius;
-        rn[i] = line(r * r * d->f[i], r, a[i]);
-        arm[i] = line(r, -d->f[i], a[i]);
+/* A lower bound of D while the slopes stay between `low` and `high`. Delta, P and Q are bilinear in the slopes: each is
+ * least at a corner. z' grows with both slopes, gamma' with that of cam 2 alone. */
+static double determinant_bound(const Determinant *d, const double low[2], const double high[2]) {
+    double delta = INFINITY, p = INFINITY, q = INFINITY;
+    for (int corner = 0; corner < 4; corner++) {
+        const double slope[2] = {corner & 1 ? high[0] : low[0], corner & 2 ? high[1] : low[1]};
+        const ContactFactors f = factors_at(d, slope);
+        delta = min_of(delta, f.delta);
+        p = min_of(p, f.p);
+        q = min_of(q, f.q);
     }
-    const Range q = product(arm[0], rn[1]), delta = total(q, product(rn[0], arm[1])), p = product(rn[0], rn[1]);
-    const Range dgamma_dtheta = {a[1].low / (a[1].low + a[0].high), a[1].high / (a[1].high + a[0].low)};
-    const double low[2] = {a[0].low, a[1].low}, high[2] = {a[0].high, a[1].high};
-    const Range dz_dtheta = {low[0] + low[1] > 0.0 ? cam_dz_dtheta(low) : 0.0, cam_dz_dtheta(high)};
-    return d->by.shaft * delta.low + d->by.follower * product(dz_dtheta, p).low +
-           d->by.turning * product(dgamma_dtheta, q).low;
+    const double least_lift = low[0] + low[1] > 0.0 ? cam_dz_dtheta(low) : 0.0;
+    const double dz_dtheta = p < 0.0 ? cam_dz_dtheta(high) : least_lift;
+    const double dgamma_dtheta = q < 0.0 ? high[1] / (high[1] + low[0]) : low[1] / (low[1] + high[0]);
+    return d->by.shaft * delta + d->by.follower * dz_dtheta * p + d->by.turning * dgamma_dtheta * q;
 }
 
 /* m: how far a slope of the piece goes from its value in the middle of an interval of x of this half width: the
@@ -102,14 +88,15 @@ static double slope_reach(const TransmissionPiece *piece, int i, double half) {
 static bool is_positive_between(const Determinant *d, const TransmissionPiece *piece, double middle, double half,
                                 int *halvings) {
     const TransmissionPoint point = piece_at(piece, piece->middle + middle / piece->scale);
-    const double slope[2] = {max_of(point.slope[0], 0.0), max_of(point.slope[1], 0.0)};
-    if (!(determinant_at(d, slope) > 0.0)) return false;
-    Range a[2];
+    double slope[2], low[2], high[2];
     for (int i = 0; i < 2; i++) {
         const double reach = slope_reach(piece, i, half);
-        a[i] = (Range){max_of(slope[i] - reach, 0.0), slope[i] + reach};
+        slope[i] = max_of(point.slope[i], 0.0);
+        low[i] = max_of(slope[i] - reach, 0.0);
+        high[i] = slope[i] + reach;
     }
-    if (determinant_bound(d, a) > 0.0) return true;
+    if (!(determinant_at(d, slope) > 0.0)) return false;
+    if (determinant_bound(d, low, high) > 0.0) return true;
     if (--*halvings < 0) return false;
     return is_positive_between(d, piece, middle - 0.5 * half, 0.5 * half, halvings) &&
            is_positive_between(d, piece, middle + 0.5 * half, 0.5 * half, halvings);

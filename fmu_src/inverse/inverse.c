@@ -13,8 +13,8 @@
 /* ---- start and tuning ---- */
 
 static bool check_inverse(const Params *p, Fault *fault) {
-    return check_params(p, fault) && (!(p->shaft.stiffness > 0.0) ||
-                                      check_speed_friction(p, "with an elastic shaft", "shaft.stiffness = 0", fault));
+    return !(p->shaft.stiffness > 0.0) ||
+           check_speed_friction(p, "with an elastic shaft", "shaft.stiffness = 0", fault);
 }
 
 bool inverse_rebuild(Inverse *m, Fault *fault) {

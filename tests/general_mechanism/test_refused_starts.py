@@ -153,8 +153,7 @@ def test_pin_that_nothing_fixes(fmu, tmp_path):
     assert number_after(text, "z") == pytest.approx(0.01)
     fmu.ok("fmi2Reset")
     helices = {"cam1.lead_angle": 0.0, "cam2.lead_angle": 0.0}
-    text = start_refused(fmu, helices, "cam1.lead_angle = 0", "cam2.lead_angle = 0")
-    assert "theta" not in text  # level everywhere
+    start_refused(fmu, helices, "cam1.lead_angle = 0", "cam2.lead_angle = 0")
     fmu.ok("fmi2Reset")
     level = {
         "cam1.profile": ELLIPSE,
