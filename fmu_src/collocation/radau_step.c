@@ -27,10 +27,10 @@ static double error_at_end(double x, int stages) {
     return stages == 3 ? x * quarter : x * quarter * sqrt(quarter);
 }
 
-/* The largest distance and speed in the step, the largest change of the speed, the largest stiffness at a node; and the
- * largest exponents with which a deviation of the speed falls and grows in the step. */
+/* The largest distance and speed in the step, the largest stiffness at a node; and the largest exponent with which a
+ * deviation of the speed falls in the step. */
 typedef struct {
-    double distance, speed, change, stiffness, damping, growth;
+    double distance, speed, stiffness, damping;
 } StepSize;
 
 static StepSize step_size(const RadauSystem *s, const RadauStep *step) {
@@ -38,10 +38,8 @@ static StepSize step_size(const RadauSystem *s, const RadauStep *step) {
     for (int i = 0; i < s->method->stages; i++) {
         size.distance = max_of(size.distance, fabs(s->dtheta[i]));
         size.speed = max_of(size.speed, fabs(step->node[i].omega));
-        size.change = max_of(size.change, fabs(step->node[i].omega - s->start->omega));
         size.stiffness = max_of(size.stiffness, radau_system_stiffness(s, &step->node[i].rhs));
         size.damping = max_of(size.damping, -s->h * step->node[i].rhs.by_omega);
-        size.growth = max_of(size.growth, s->h * step->node[i].rhs.by_omega);
     }
     return size;
 }
@@ -79,27 +77,23 @@ static bool is_rounding(const RightHandSide *start, double defect) {
 }
 
 /* The error inside the step from the defect at the start, relative to speed and distance. A stiff step damps the
- * defect; its angle follows the speed at the nodes, so the defect of the speed counts too. Where a deviation of the
- * speed grows instead, as in a motion that leaves an unstable balance, nothing damps the defect, and the defect counts
- * relative to the change of the speed: the error grows like this change. At the end of the step the method has order 2s
- * - 1, inside order s + 1. error_at_end() takes half of that gain: then the errors of the study of integrators stay
- * below RADAU_ERROR_SAFETY times the tolerance; with the whole gain they do not. */
+ * defect; its angle follows the speed at the nodes, so the defect of the speed counts too. At the end of the
+ * step the method has order 2s - 1, inside order s + 1. error_at_end() takes half of that gain: then the errors of the
+ * study of integrators stay below RADAU_ERROR_SAFETY times the tolerance; with the whole gain they do not. */
 static double error_of_defect(const RadauSystem *s, const RadauStep *step, double defect) {
     const Radau *r = s->method;
     const StepSize size = step_size(s, step);
     const double h = s->h, stiff = size.stiffness;
-    const bool departs = s->slip->regime == REGIME_INERTIAL && size.growth > 1.0;
-    const double damped = departs ? h * defect : h * defect / (1.0 + stiff);
-    const double speed = departs ? size.change : size.speed;
+    const double damped = h * defect / (1.0 + stiff);
     const double rounding = ANGLE_ROUNDING * fabs(s->start->theta);
     double by_speed = 0.0, by_angle = damped * r->defect_once;
     if (s->slip->regime == REGIME_INERTIAL) {
-        by_speed = speed > 0.0 ? damped * r->defect_once / speed : 0.0;
+        by_speed = size.speed > 0.0 ? damped * r->defect_once / size.speed : 0.0;
         by_angle = h * (damped * r->defect_twice + fabs(speed_defect(s)) * r->defect_once * stiff / (1.0 + stiff));
     }
     const double inside = max_of(by_speed, max_of(by_angle - rounding, 0.0) / (size.distance + DBL_MIN));
     const double gained = (inside < 1.0 ? error_at_end(inside, r->stages) : inside) * RADAU_ERROR_SAFETY;
-    const double at_end = stiff > 1.0 && !departs ? stiff_error(s, &size, defect, rounding) : 0.0;
+    const double at_end = stiff > 1.0 ? stiff_error(s, &size, defect, rounding) : 0.0;
     return max_of(gained, at_end) / s->slip->params->tolerance;
 }
 

@@ -78,13 +78,6 @@ static double resolved_share(const SlipMode *slip, const RadauStep *step) {
     return share;
 }
 
-/* The angle goes back by more than the tolerance, and the speed at the end does not: in a long step at a speed that is
- * rounding, the nodes do not see where the motion turns. */
-static bool misses_turn(const SlipMode *slip, const RadauStep *step) {
-    const Params *p = slip->params;
-    return slip->direction * step->dtheta < -angle_tolerance(p) && slip->direction * radau_step_end(step)->omega >= 0.0;
-}
-
 /* The energy balance may miss no more than the last digits of the transmission itself, which no shorter step makes
  * better: a residual that a trial has not halved is accepted. */
 bool step_control_solve(const SlipMode *slip, const Balance *start, double longest, const StepProposal *first,
@@ -94,7 +87,7 @@ bool step_control_solve(const SlipMode *slip, const Balance *start, double longe
     bool at_sample = false;
     int stages = first_stages(slip, start, h, first);
     for (int n = 0; n < STEP_TRIALS && !work_is_spent(slip->work); n++) {
-        if (!radau_step_solve(slip, start, h, stages, step) || misses_turn(slip, step)) {
+        if (!radau_step_solve(slip, start, h, stages, step)) {
             h *= STEP_UNSOLVED_SHORTENING;
             continue;
         }
