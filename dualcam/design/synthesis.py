@@ -44,8 +44,8 @@ def synthesize(
     direction : {"loading", "releasing", "frictionless"}
         The torque is that of slow loading or that of slow releasing, friction included; or that of the same
         grooves without friction, which lies between the two.
-    groove2 : Helix, Ellipse, Table or None
-        Groove of cam 2. None: both grooves become equal.
+    groove2 : Groove or None
+        Groove of cam 2, by a law of this package. None: both grooves become equal.
     friction : sequence of two floats
         Friction coefficients of both contacts [1].
     radius : float
