@@ -11,7 +11,7 @@ from itertools import pairwise
 import pytest
 from driver import ERROR, OK, models
 from mechanisms import INERTIA, LIFT, MU, PRELOAD, RHO, STIFFNESS
-from reference import HEATS, LOADING, LOWER_STOP, RELEASING, STICK, UPPER_STOP
+from reference import HEATS, LOADING, LOWER_STOP, RELEASING, STICK, UPPER_STOP, Cycloid
 from scipy.optimize import brentq
 from statics_cases import MOVABLE, STATICS, geometry
 
@@ -140,13 +140,8 @@ def groove(values, i):
         slope = r * math.tan(lead)
         return (lambda psi: slope * psi), (lambda psi: slope), (lambda psi: 0.0)
     if values[f"cam{i}.profile"] == 4:
-        rise, angle = values[f"cam{i}.cycloid_rise"], values[f"cam{i}.cycloid_angle"]
-        rate = 2 * math.pi / angle
-        return (
-            lambda psi: rise * (psi / angle - math.sin(rate * psi) / (2 * math.pi)),
-            lambda psi: rise / angle * (1 - math.cos(rate * psi)),
-            lambda psi: rise / angle * rate * math.sin(rate * psi),
-        )
+        law = Cycloid(values[f"cam{i}.cycloid_rise"], values[f"cam{i}.cycloid_angle"])
+        return tuple(lambda psi, k=k: law.derivatives(psi, 0)[k] for k in range(3))
     a, b, kappa = (values[f"cam{i}.ellipse_{n}"] for n in ("a", "b", "curvature"))
     start = math.sin(math.atan(a / b * math.tan(lead)))
 
