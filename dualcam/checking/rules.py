@@ -15,7 +15,7 @@ import numpy as np
 from dualcam.checking.durability import durability
 from dualcam.checking.trouble import ERROR, WARNING, Remedy, Trouble, finding_of
 from dualcam.checking.values import value_of
-from dualcam.common.groove_laws import LAWS, PARAMETERS, GrooveLaw
+from dualcam.common.groove_laws import CYCLOID, LAWS, PARAMETERS, GrooveLaw
 from dualcam.design import Limits, Mechanism
 from dualcam.design.grooves import ClosedForm
 from dualcam.design.strength import LimitViolation, examine
@@ -99,9 +99,11 @@ def _trouble(design: DesignFile, mechanism: Mechanism, failure: LimitViolation) 
         hint = "Is the sign of spring.preload wrong?" if design.value("spring.preload") < 0.0 else ""
         return Trouble(finding_of(design, "spring force", "spring.preload", text), tuple(remedies), hint)
     if what.startswith("both grooves level"):
-        finding = finding_of(design, "level", f"cam1.{_law(design, 1).parameters[0]}", text)
-        later = Remedy("stop.lower", 0.5 * mechanism.upper)
-        return Trouble(finding, (*_steeper(mechanism, 1, 0.8), *_shorter(failure), later))
+        laws = _law(design, 1), _law(design, 2)
+        hint = "Two cycloids need stop.lower and initial.theta > 0, or another groove law on one cam"
+        finding = finding_of(design, "level", f"cam1.{laws[0].parameters[0]}", text)
+        remedies = (*_steeper(mechanism, 1, 0.8), *_shorter(failure))
+        return Trouble(finding, remedies, hint if laws == (CYCLOID, CYCLOID) else "")
     if what.startswith("jam"):
         return _jam(design, mechanism, text)
     if what in design.parameters:
