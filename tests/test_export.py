@@ -553,7 +553,7 @@ def test_refused_designs(tmp_path):
     for parameters, words in (
         ({"cam1.radius": -1.0}, "cam1.radius"),
         ({"cam1.frction": 0.1}, "did you mean cam1.friction"),
-        ({"cam1.profile": 7}, "1 to 3"),
+        ({"cam1.profile": 7}, "1 to 4"),
         ({"cam1.friction": 2.0, "cam2.friction": 2.0}, "jam"),
         ({"stop.lower": 0.5, "stop.upper": 0.2}, "stop"),
         ({"cam1.profile": 3, "cam1.table": missing}, "none.csv"),

@@ -102,8 +102,8 @@ def _trouble(design: DesignFile, mechanism: Mechanism, failure: LimitViolation) 
         laws = _law(design, 1), _law(design, 2)
         hint = "Two cycloids need stop.lower and initial.theta > 0, or another groove law on one cam"
         finding = finding_of(design, "level", f"cam1.{laws[0].parameters[0]}", text)
-        remedies = (*_steeper(mechanism, 1, 0.8), *_shorter(failure))
-        return Trouble(finding, remedies, hint if laws == (CYCLOID, CYCLOID) else "")
+        steeper = (*_steeper(mechanism, 1, 0.8), *_shorter(failure))
+        return Trouble(finding, steeper, hint if laws == (CYCLOID, CYCLOID) else "")
     if what.startswith("jam"):
         return _jam(design, mechanism, text)
     if what in design.parameters:
