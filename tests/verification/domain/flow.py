@@ -231,9 +231,12 @@ def _dip(f: Callable[[float], float], times: list[float], values: list[float]) -
 
 
 def _descent(f: Callable[[float], float], low: float, high: float, at_low: float) -> float:
-    """The zero between low, where f >= 0, and high, where f < 0."""
-    if math.isnan(f(high)):
+    """The zero between low, where f >= 0, and high, where f < 0, to rounding."""
+    at_high = f(high)
+    if math.isnan(at_high):
         raise Unresolved("the balance has no answer")
+    if at_high >= 0:
+        return high
     if at_low <= 0:
         inner = next(
             (low + (high - low) * 0.5**k for k in range(1, 46) if f(low + (high - low) * 0.5**k) > 0), None
