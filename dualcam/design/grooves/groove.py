@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from dataclasses import fields
+from functools import cached_property
 from typing import Any, ClassVar, NamedTuple, Protocol
 
 import numpy as np
@@ -99,7 +100,7 @@ class ClosedForm(ABC):
         """The value of `law.steepness` for a lead angle [rad]: that at psi = 0, where the law has one."""
         return lead_angle
 
-    @property
+    @cached_property
     def _values(self) -> list[float]:
         return [getattr(self, field.name) for field in fields(self)]  # type: ignore[arg-type]
 
@@ -111,7 +112,9 @@ class ClosedForm(ABC):
 
     def at(self, psi: ArrayLike) -> Point:
         """The law at psi [rad]; beyond its range, its value at that end."""
-        return self.formula(np.clip(real_array(psi, "psi", DesignError), *self.range), *self._values)
+        low, high = self.range
+        inside = np.minimum(np.maximum(real_array(psi, "psi", DesignError), low), high)
+        return self.formula(inside, *self._values)
 
     def parameters(self) -> dict[str, float | int]:
         """The FMU's parameters after `cam1.` or `cam2.`."""
