@@ -396,7 +396,7 @@ def test_table_path_refused(library, tmp_path):
     assert "must" in text and text.count("\u00e9") == 60
     said = groove_refusal(library, cam(TABLE, table="n" * 400), b"/" + b"r" * 4000)
     assert "r" * 119 + '": give an absolute path' in said and "r" * 120 not in said
-    assert "cam2.profile = 5" in groove_refusal(library, cam(5))
+    assert "cam2.profile = 99" in groove_refusal(library, cam(99))
 
 
 def test_table_path_ignores_the_working_directory(library, grooves, tmp_path, monkeypatch):
