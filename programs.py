@@ -103,7 +103,7 @@ PAGES = (
         build=None,
         before=(
             *("docs/figures/mechanism.py", "docs/figures/architecture.py"),
-            *("docs/figures/design_quantities.py", "docs/tools/trust_page.py"),
+            *("docs/figures/groove_laws.py", "docs/figures/design_quantities.py", "docs/tools/trust_page.py"),
             *("docs/tools/design_file_page.py", "docs/tools/study_plan_page.py"),
             "-m benchmarks.harness.old_figures",
         ),

@@ -56,6 +56,12 @@ SINGLE = {
         "stop.upper: groove 1 ends at psi = 0.5 rad, reached at theta = 1 rad: allowed is an upper stop",
         ("stop.upper", 1.0),  # equal slopes: theta = 2 psi
     ),
+    "stop beyond a cycloid": (
+        'cam1 = {profile = "cycloid", cycloid_rise = "8 mm", cycloid_angle = "40 deg"}\n'
+        'limits = {self_locking = true, lead_angle = ["0 deg", "80 deg"]}',
+        "stop.upper: groove 1 ends at psi = 0.698132 rad, reached at theta = 1.09813 rad",
+        ("stop.upper", math.radians(40) + 0.4),  # 8 mm on the helix of 20 mm/rad
+    ),
     "locking by accident": (
         'cam1.lead_angle = "6 deg"',
         "self-locking: lead angle of groove 1 at theta = 0 deg is 6 deg: allowed is more than the angle of",
@@ -149,6 +155,9 @@ def test_hints(design):
     assert "swapped" not in texts(tables)  # exchanged tables reach exactly as far
     assert "If locking is meant, write self_locking = true below [limits]" in texts(
         'cam1.lead_angle = "6 deg"'
+    )
+    assert "Two cycloids need stop.lower and initial.theta > 0" in texts(
+        'cam1.profile = "cycloid"\ncam2.profile = 4'
     )
     swapped = 'cam1 = {friction = 0.3, lead_angle = "10 deg"}\ncam2.lead_angle = "45 deg"'
     assert "are cam 1 and cam 2 swapped?" in texts(swapped)

@@ -13,6 +13,7 @@ from scipy.optimize import brentq, minimize
 
 from dualcam import ContinuousFmu, Fmu
 from dualcam.design import (
+    Cycloid,
     DesignError,
     Ellipse,
     Helix,
@@ -199,6 +200,23 @@ def test_curvature_of_ellipse(bending, a, b):
         assert curvature(ellipse, 0.3) == pytest.approx(bending / a, rel=1e-12)
 
 
+def test_cycloid_is_the_fmus(forward):
+    """z and both derivatives by theta, against a helix so steep that theta is the angle in the cycloid."""
+    cycloid, steep = Cycloid(0.02, 0.015, 1.2), Helix(0.02, 1.5)
+    mechanism = Mechanism((cycloid, steep), (0.1, 0.1), LINEAR, 1.2)
+    given = mechanism.parameters_without_tables()
+    angles = np.linspace(0.0, 1.2, 61)
+    z, gamma, load = read_at(forward, given, angles, "z", "gamma", "torque_load")
+    assert np.abs(cycloid.at(gamma).z - z).max() <= 1e-16
+    assert np.abs(mechanism.configuration(angles).z - z).max() <= 1e-15
+    assert np.abs(mechanism.torque(angles, "loading") - load).max() <= 1e-12 * load.max()
+    for end, height in ((-0.5, 0.0), (0.0, 0.0), (1.2, 0.015), (9.0, 0.015)):
+        assert tuple(map(float, cycloid.at(end))) == (height, 0.0, 0.0)
+    assert [numeric_curvature(cycloid, x, 1e-3) for x in (0.2, 0.9)] == pytest.approx(
+        [float(curvature(cycloid, x)) for x in (0.2, 0.9)], rel=1e-5
+    )
+
+
 def test_curvature_of_helix_and_table():
     assert (curvature(HELIX, np.linspace(-1, 1, 5)) == 0.0).all()
     ellipse, psi = Ellipse(0.02, 0.6, 0.05, 0.05, 1), np.linspace(0.0, 1.0, 400)
@@ -263,6 +281,8 @@ def test_bad_grooves(tmp_path):
         lambda: Ellipse(0.02, 0.5, -1.0, 0.05),
         lambda: Ellipse(0.02, 0.5, 0.05, 0.05, 2),
         lambda: Ellipse(0.02, 0.5, 0.05, math.inf),
+        lambda: Cycloid(0.02, 0.0, 1.0),
+        lambda: Cycloid(0.02, 0.02, math.inf),
     ):
         with pytest.raises(DesignError, match="allowed"):
             make()

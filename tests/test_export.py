@@ -22,6 +22,7 @@ from fmpy.validation import validate_fmu
 from scipy.interpolate import CubicSpline
 
 from dualcam import Fmu
+from dualcam.common.groove_laws import LAWS
 from dualcam.design_file import DesignFile
 from dualcam.errors import DualcamError, DualcamWarning, FmuError
 from dualcam.export import ExportError, export_fmu, model_identifier
@@ -553,7 +554,7 @@ def test_refused_designs(tmp_path):
     for parameters, words in (
         ({"cam1.radius": -1.0}, "cam1.radius"),
         ({"cam1.frction": 0.1}, "did you mean cam1.friction"),
-        ({"cam1.profile": 7}, "1 to 3"),
+        ({"cam1.profile": 99}, f"1 to {max(LAWS)}"),
         ({"cam1.friction": 2.0, "cam2.friction": 2.0}, "jam"),
         ({"stop.lower": 0.5, "stop.upper": 0.2}, "stop"),
         ({"cam1.profile": 3, "cam1.table": missing}, "none.csv"),

@@ -112,6 +112,17 @@ def test_torque_of_an_imposed_motion(make_model):
             assert fmu.get(f"cam{i}.friction_power") == pytest.approx(power, rel=1e-12)
 
 
+@pytest.mark.parametrize("model", [FORWARD, INVERSE], ids=["forward", "inverse"])
+def test_power_of_both_grooves_is_the_sum(make_model, model):
+    moving = (
+        {"initial.theta": 0.3, "initial.omega": 2.0} if model is FORWARD else {"theta": 0.3, "omega": 2.0}
+    )
+    fmu = make_model(model).start({"cam2.radius": 0.025, "cam2.friction": 0.2, **moving})
+    powers = [fmu.get(f"cam{i}.friction_power") for i in (1, 2)]
+    assert min(powers) > 0.0 and powers[0] != powers[1]
+    assert fmu.get("friction.power") == sum(powers)
+
+
 def test_band_has_the_static_coefficients(make_model):
     static = {f"cam{i}.friction": 0.14 * STRIBECK[f"cam{i}.friction_peak"] for i in (1, 2)}
     for model in (FORWARD, INVERSE):

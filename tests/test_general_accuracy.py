@@ -176,7 +176,7 @@ def test_general_scenes_are_varied(scenes):
     assert {scene.regime: 0 for scene in scenes} == dict.fromkeys(WANTED, 0) | {}
     assert {p.mode for p in points} >= {1, 2, 3, 4, 5}
     profiles = [(int(s.params["cam1.profile"]), int(s.params["cam2.profile"])) for s in scenes]
-    assert {(2, 2), (3, 3), (2, 3), (3, 2), (1, 2), (3, 1)} <= set(profiles)
+    assert {(2, 2), (3, 3), (2, 3), (3, 2), (1, 2), (3, 1), (4, 1), (4, 2), (3, 4)} <= set(profiles)
     assert any(math.isinf(p.peak["omega"]) for p in points)  # an angle that snaps on
     assert min(p.z for p in points) < 0
     assert sum(any(p.doubts for p in s.points) for s in scenes) <= FADING_SHARE * len(scenes)

@@ -2,183 +2,38 @@
 
 import locale
 import math
-from ctypes import POINTER, Structure, byref, c_bool, c_char, c_char_p, c_double, c_int, c_size_t, c_void_p
+from ctypes import byref
 from itertools import pairwise
 
 import mpmath
 import numpy as np
 import pytest
+from groove_core import (
+    CYCLOID,
+    DEGREE,
+    ELLIPSE,
+    FILES,
+    HELIX,
+    SHIM,
+    STRUCTURES,
+    TABLE,
+    Fault,
+    Groove,
+    Transmission,
+    cam,
+    params_of,
+    with_signatures,
+    write_table,
+)
 from hypothesis import given
 from hypothesis import strategies as st
 
-HELIX, ELLIPSE, TABLE = 1, 2, 3
-DEGREE = 12
 EPS = np.finfo(float).eps
-SHIM = """
-TransmissionPoint point(const TransmissionPiece *p, double t);
-TransmissionPoint point(const TransmissionPiece *p, double t) {
-    return piece_point(p, t, TRANSMISSION_SECOND_DERIVATIVES);
-}
-"""
-
-
-class FrictionParams(Structure):
-    _fields_ = [
-        *((n, c_double) for n in ("peak", "stribeck_velocity", "viscous", "load_exponent", "load")),
-        ("stribeck_exponent", c_int),
-        ("table", c_void_p),
-    ]
-
-
-class CamParams(Structure):
-    _fields_ = [
-        *((n, c_double) for n in ("radius", "lead_angle", "ellipse_a", "ellipse_b")),
-        *((n, c_double) for n in ("cycloid_rise", "cycloid_angle", "friction")),
-        ("law", FrictionParams),
-        ("wear", c_double),
-        ("profile", c_int),
-        ("ellipse_curvature", c_int),
-    ]
-
-
-class Cam(CamParams):
-    """With the path of its table, which Params hold."""
-
-    table = b""
-
-
-class StopParams(Structure):
-    _fields_ = [(n, c_double) for n in ("lower", "upper", "restitution")]
-
-
-class Params(Structure):
-    _fields_ = [
-        ("cam", CamParams * 2),
-        *((name, c_double * n) for name, n in (("spring", 4), ("damper", 4), ("inertia", 3), ("shaft", 2))),
-        ("stop", StopParams),
-        ("initial", c_double * 2),
-        ("tolerance", c_double),
-        ("contacts", c_int),
-        ("ledger", c_bool),
-        ("table", c_char * 1024 * 2),
-        ("friction_table", c_char * 1024 * 2),
-    ]
-
-
-class Fault(Structure):
-    _fields_ = [("text", c_char * 512)]
-
-
-class GroovePoint(Structure):
-    _fields_ = [(n, c_double) for n in ("z", "slope", "dslope_dpsi")]
-
-
-class TablePiece(Structure):
-    _fields_ = [("psi", c_double), ("width", c_double), ("z", c_double), ("slope", c_double * 5)]
-
-
-class Table(Structure):
-    _fields_ = [("piece", POINTER(TablePiece)), ("count", c_size_t)]
-
-
-class Groove(Structure):
-    _fields_ = [
-        ("law", c_void_p),
-        ("profile", c_int),
-        *((n, c_double) for n in ("radius", "gain", "height", "rate", "S0", "C0")),
-        ("table", Table),
-        ("path", c_char_p),
-        ("first", c_double),
-        ("last", c_double),
-        ("parameter", c_char_p),
-        ("size", c_double),
-    ]
-
-
-class TransmissionPiece(Structure):
-    _fields_ = [
-        *((n, c_double) for n in ("lower", "upper", "middle", "scale")),
-        ("slope", c_double * 2 * (DEGREE + 1)),
-        ("z", c_double * (DEGREE + 1)),
-        ("knot_lower", c_bool),
-        ("knot_upper", c_bool),
-    ]
-
-
-class TransmissionPoint(Structure):
-    _fields_ = [(n, c_double * 2) for n in ("slope", "dslope_dtheta", "d2slope_dtheta2")] + [("z", c_double)]
-
-
-class Transmission(Structure):
-    _fields_ = [
-        ("groove", Groove * 2),
-        ("cam", CamParams * 2),
-        ("lower", c_double),
-        ("upper", c_double),
-        ("count", c_size_t),
-        ("piece", POINTER(TransmissionPiece)),
-        ("straight", c_bool),
-        ("slope_size", c_double),
-        ("steepest", c_double * 2),
-        ("z_size", c_double),
-    ]
-
-
-FILES = ["geometry/groove_table", "geometry/transmission_build"]
-STRUCTURES = [
-    CamParams,
-    StopParams,
-    Params,
-    Fault,
-    GroovePoint,
-    TablePiece,
-    Table,
-    Groove,
-    TransmissionPiece,
-    TransmissionPoint,
-    Transmission,
-]
 
 
 @pytest.fixture(scope="module")
 def library(core):
-    c = core(FILES, STRUCTURES, SHIM)
-    for name, result, arguments in (
-        ("groove_build", c_bool, [POINTER(Groove), POINTER(Params), c_int, c_char_p, POINTER(Fault)]),
-        ("groove_free", None, [POINTER(Groove)]),
-        ("groove_at", GroovePoint, [POINTER(Groove), c_double]),
-        ("groove_angle", c_double, [POINTER(Groove), c_double]),
-        ("groove_slope", c_double, [POINTER(Groove), c_double, c_double]),
-        ("transmission_build", c_bool, [POINTER(Transmission), POINTER(Params), c_char_p, POINTER(Fault)]),
-        ("transmission_is_of", c_bool, [POINTER(Transmission), POINTER(Params)]),
-        ("transmission_free", None, [POINTER(Transmission)]),
-        ("transmission_piece", POINTER(TransmissionPiece), [POINTER(Transmission), c_double, c_int]),
-        ("transmission_gamma", c_double, [POINTER(Transmission), c_double]),
-        ("transmission_z", c_double, [POINTER(Transmission), c_double]),
-        ("point", TransmissionPoint, [POINTER(TransmissionPiece), c_double]),
-    ):
-        function = getattr(c, name)
-        function.restype, function.argtypes = result, arguments
-    return c
-
-
-def cam(profile=HELIX, radius=0.02, lead=0.8, a=0.05, b=0.05, kappa=-1, table=""):
-    coulomb = FrictionParams(peak=1.0, stribeck_velocity=0.01, stribeck_exponent=2, load=100.0)
-    made = Cam(radius, lead, a, b, 0.02, 1.3963, 0.14, coulomb, 0.0, profile, kappa)
-    made.table = str(table).encode()
-    return made
-
-
-def params_of(first, second, lower=0.0, upper=1.3963):
-    params = Params(cam=(first, second), stop=StopParams(lower, upper, 0.0))
-    for place, one in zip(params.table, (first, second), strict=True):
-        place.value = one.table
-    return params
-
-
-def write_table(path, psi, z):
-    path.write_text("psi_rad,z_m\n" + "".join(f"{p!r},{h!r}\n" for p, h in zip(psi, z, strict=True)))
-    return path
+    return with_signatures(core(FILES, STRUCTURES, SHIM))
 
 
 @pytest.fixture
@@ -299,6 +154,76 @@ def test_slope_close_to_the_level_end_of_an_ellipse(library, grooves, share):
 def test_ellipse_from_vertical_is_refused(library):
     text = groove_refusal(library, cam(ELLIPSE, lead=math.pi / 2))
     assert "cam2.lead_angle = 1.57" in text and "must" in text
+
+
+def exact_cycloid(params, psi, digits):
+    """z, slope and bend, straight from the definition."""
+    with mpmath.workdps(digits):
+        H, B = mpmath.mpf(params.cycloid_rise), mpmath.mpf(params.cycloid_angle)
+        turn = 2 * mpmath.pi * mpmath.mpf(psi) / B
+        z = H * (mpmath.mpf(psi) / B - mpmath.sin(turn) / (2 * mpmath.pi))
+        return z, H / B * (1 - mpmath.cos(turn)), 2 * mpmath.pi * H / B**2 * mpmath.sin(turn)
+
+
+@pytest.mark.parametrize(("rise", "angle"), [(0.02, 1.3963), (1e-3, 3.0), (0.5, 0.1)])
+def test_cycloid(library, grooves, rise, angle):
+    params = cam(CYCLOID, rise=rise, angle=angle)
+    groove = grooves(params)
+    assert (groove.first, groove.last) == (0.0, angle)
+    near = [angle * share for share in (1e-9, 1e-5, 1e-3, 0.1, 0.16, 0.4999, 0.5001, 0.84, 0.999, 1 - 1e-9)]
+    for psi in [*np.linspace(0.0, angle, 41), *near, 1e-300, math.nextafter(angle, 0.0)]:
+        point = library.groove_at(byref(groove), psi)
+        z, slope, bend = (
+            float(x) for x in exact_cycloid(params, psi, 50 if psi > 1e-20 or not psi else 1000)
+        )
+        # psi/B is rounded: a share EPS of psi is lost, that much more close to the upper end
+        room = max(1.0 - psi / angle, EPS)
+        assert point.z == pytest.approx(z, rel=16 * EPS, abs=1e-307)
+        assert point.slope == pytest.approx(slope, rel=8 * EPS / room, abs=16 * EPS * EPS * rise / angle)
+        assert point.dslope_dpsi == pytest.approx(bend, rel=8 * EPS / room, abs=16 * EPS * rise / angle**2)
+
+
+@pytest.mark.parametrize(("rise", "angle"), [(0.02, 1.3963), (1e-3, 3.0), (0.5, 0.1)])
+def test_cycloid_inverse(library, grooves, rise, angle):
+    """The angle of a height, to the rounding of the height divided by the slope."""
+    groove = grooves(cam(CYCLOID, rise=rise, angle=angle))
+    for psi in [*np.linspace(0.0, angle, 97), 1e-9 * angle, 1e-4 * angle, 0.999 * angle]:
+        point = library.groove_at(byref(groove), psi)
+        back = library.groove_angle(byref(groove), point.z)
+        lost = 4 * EPS * point.z
+        assert library.groove_at(byref(groove), back).z == pytest.approx(point.z, abs=lost)
+        if point.slope > 1e-6 * rise:
+            assert back == pytest.approx(psi, abs=4 * EPS * angle + lost / point.slope)
+    for z, end in ((-1.0, 0.0), (0.0, 0.0), (rise, angle), (2 * rise, angle)):
+        assert library.groove_angle(byref(groove), z) == end
+
+
+def test_cycloid_ends_are_level_without_a_step_of_the_second_derivative(library, grooves):
+    groove = grooves(cam(CYCLOID))
+    for psi, z in ((0.0, 0.0), (-1.0, 0.0), (1.3963, 0.02), (2.0, 0.02)):
+        point = library.groove_at(byref(groove), psi)
+        assert (point.z, point.slope, point.dslope_dpsi) == (z, 0.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("lower", "upper", "stop"), [(0.0, 1.6, "stop.upper = 1.6"), (-0.2, 0.8, "stop.lower = -0.2")]
+)
+def test_cycloid_left_before_a_stop(library, lower, upper, stop):
+    """With a helix whose slope is large, theta is nearly the angle of the cycloid."""
+    first, second = cam(CYCLOID, angle=0.9), cam(HELIX, lead=1.55)
+    text = course_refusal(library, first, second, lower, upper)
+    assert text.startswith("cam1.cycloid_angle = 0.9: the cycloidal groove of cam 1 ends at psi = ")
+    assert stop in text and text.endswith("psi must stay in [0, cycloid_angle]")
+    text = course_refusal(library, second, first, lower, upper)
+    assert text.startswith("cam2.cycloid_angle = 0.9: the cycloidal groove of cam 2 ends at psi = ")
+
+
+def test_two_cycloids_need_a_lower_stop_above_zero(library, courses):
+    first, second = cam(CYCLOID, angle=0.9), cam(CYCLOID, angle=1.1)
+    text = course_refusal(library, first, second, 0.0, 1.5)
+    assert text.startswith("cam1.cycloid_angle = 0.9 and cam2.cycloid_angle = 1.1: both grooves are level at")
+    assert courses(first, second, 0.2, 1.5).count > 1
+    assert "both grooves are level" in course_refusal(library, first, first, 0.2, 1.8)
 
 
 def test_helix(library, grooves):
@@ -471,7 +396,7 @@ def test_table_path_refused(library, tmp_path):
     assert "must" in text and text.count("\u00e9") == 60
     said = groove_refusal(library, cam(TABLE, table="n" * 400), b"/" + b"r" * 4000)
     assert "r" * 119 + '": give an absolute path' in said and "r" * 120 not in said
-    assert "cam2.profile = 5" in groove_refusal(library, cam(5))
+    assert "cam2.profile = 99" in groove_refusal(library, cam(99))
 
 
 def test_table_path_ignores_the_working_directory(library, grooves, tmp_path, monkeypatch):

@@ -11,7 +11,7 @@ from itertools import pairwise
 import pytest
 from driver import ERROR, OK, models
 from mechanisms import INERTIA, LIFT, MU, PRELOAD, RHO, STIFFNESS
-from reference import HEATS, LOADING, LOWER_STOP, RELEASING, STICK, UPPER_STOP
+from reference import HEATS, LOADING, LOWER_STOP, RELEASING, STICK, UPPER_STOP, Cycloid
 from scipy.optimize import brentq
 from statics_cases import MOVABLE, STATICS, geometry
 
@@ -89,7 +89,7 @@ def equilibrium(p, direction, a, b, omega, alpha, force):
     return None
 
 
-def random_plant(rng, profiles=(1, 2)):
+def random_plant(rng, profiles=(1, 2, 4)):
     """Parameters by FMU name, and as equilibrium() wants them."""
     values = WIDE | {"contacts": 1, "stop.lower": 0.0, "stop.upper": 1.0}
     for i in (1, 2):
@@ -101,7 +101,11 @@ def random_plant(rng, profiles=(1, 2)):
             f"cam{i}.ellipse_a": rng.uniform(0.1, 0.2),
             f"cam{i}.ellipse_b": rng.uniform(0.1, 0.2),
             f"cam{i}.ellipse_curvature": rng.choice([-1, 1]),
+            f"cam{i}.cycloid_rise": rng.uniform(0.01, 0.04),
+            f"cam{i}.cycloid_angle": rng.uniform(1.05, 2.0),
         }
+    if values["cam1.profile"] == values["cam2.profile"] == 4:
+        values["cam1.profile"] = 1  # two cycloids are both level at the angle 0
     values |= {
         "spring.preload": rng.uniform(20.0, 200.0),
         "spring.stiffness": rng.uniform(0.0, 2e4),
@@ -135,6 +139,9 @@ def groove(values, i):
     if values[f"cam{i}.profile"] == 1:
         slope = r * math.tan(lead)
         return (lambda psi: slope * psi), (lambda psi: slope), (lambda psi: 0.0)
+    if values[f"cam{i}.profile"] == 4:
+        law = Cycloid(values[f"cam{i}.cycloid_rise"], values[f"cam{i}.cycloid_angle"])
+        return tuple(lambda psi, k=k: law.derivatives(psi, 0)[k] for k in range(3))
     a, b, kappa = (values[f"cam{i}.ellipse_{n}"] for n in ("a", "b", "curvature"))
     start = math.sin(math.atan(a / b * math.tan(lead)))
 
@@ -164,7 +171,7 @@ def spring_force(values, z):
 
 @pytest.mark.parametrize("seed", range(40))
 def test_torque_of_random_mechanisms(make, seed):
-    """Helices and ellipses with everything at once, at random motions."""
+    """Helices, ellipses and cycloids with everything at once, at random motions."""
     rng = random.Random(seed)
     values, plant = random_plant(rng)
     fmu = make()
@@ -308,6 +315,8 @@ CURVED = RICH | {
     "cam2.ellipse_b": 0.1,
 }
 
+CYCLOIDAL = RICH | {"cam2.profile": 4, "cam2.cycloid_rise": 0.03, "cam2.cycloid_angle": 1.5}
+
 
 def hermite(start, end, h):
     """Cubic through (theta, omega) at both ends: (theta, omega, alpha) as a function of t."""
@@ -316,7 +325,7 @@ def hermite(start, end, h):
     return lambda t: (p + t * (u + t * (c2 + t * c3)), u + t * (2 * c2 + t * 3 * c3), 2 * c2 + 6 * c3 * t)
 
 
-@pytest.mark.parametrize("values", [RICH, CURVED], ids=["helices", "ellipses"])
+@pytest.mark.parametrize("values", [RICH, CURVED, CYCLOIDAL], ids=["helices", "ellipses", "cycloid"])
 @pytest.mark.parametrize("shaft", [0.0, 50.0], ids=["rigid", "elastic"])
 def test_one_step_is_many(make, values, shaft):
     """A cubic with a reversal inside: in one step, or in many along it."""

@@ -416,7 +416,7 @@ def test_general_contact_loads_satisfy_the_three_balances(seed, tmp_path):
 
 GENERAL_SEEDS = [
     *(3, 5, 8, 15, 16, 17, 18, 19, 20, 22, 24, 25, 27, 28, 30, 33, 34),
-    *(35, 58, 64, 68, 70, 73, 76, 77),
+    *(35, 38, 58, 64, 68, 70, 76, 77),
 ]
 
 

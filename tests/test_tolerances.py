@@ -11,7 +11,7 @@ from scipy.optimize import brentq, minimize_scalar
 from scipy.stats import beta, cauchy, chi2, expon, norm, t, uniform
 
 from dualcam import DesignError, DualcamError, Fmu, read_design
-from dualcam.design import Ellipse, Helix, Mechanism, Spring, Table
+from dualcam.design import Cycloid, Ellipse, Helix, Mechanism, Spring, Table
 from dualcam.design.tolerances import Limit, Tolerance, analyse, analysis, propagate, yield_of
 from dualcam.design_file import write_template
 
@@ -135,9 +135,8 @@ def all_tolerances(mechanism):
     """A tolerance of 2 % on everything that the FMU knows."""
     found = []
     for i, groove in enumerate(mechanism.grooves, 1):
-        names = ["radius", "friction"] + ([] if isinstance(groove, Table) else ["lead_angle"])
-        names += ["ellipse_a", "ellipse_b"] if isinstance(groove, Ellipse) else []
         own = {**groove.parameters(), "friction": mechanism.friction[i - 1]}
+        names = [name for name in own if name not in ("profile", "ellipse_curvature")]
         found += [Tolerance(f"cam{i}.{name}", norm(own[name], 0.02 * own[name])) for name in names]
     for name, value in mechanism.spring.parameters().items():
         if value:
@@ -156,6 +155,7 @@ MIXED = [
     ARCS,
     Mechanism((table(), Helix(0.02, 0.7)), (0.1, 0.2), Spring(100.0, 3e4), 1.2),
     Mechanism((Ellipse(0.02, 0.5, 0.05, 0.06), table()), (0.2, 0.1), Spring(100.0, 3e4), 0.9),
+    Mechanism((Helix(0.02, 0.6), Cycloid(0.025, 0.03, 1.6)), (0.1, 0.15), Spring(100.0, 3e4), 1.2),
     # groove 1 locks itself in about half of the samples
     Mechanism((Helix(0.02, 0.14), Helix(0.03, 0.9)), (0.14, 0.14), Spring(100.0, 3e4), 1.2),
 ]

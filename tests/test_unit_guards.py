@@ -9,7 +9,7 @@ from driver import ROOT
 
 from dualcam import Fmu
 from dualcam.common.unit_guards import RULES, table_warnings, unit_warnings
-from dualcam.design import Ellipse, Helix, Limits, Mechanism, Pin, Spring, Table
+from dualcam.design import Cycloid, Ellipse, Helix, Limits, Mechanism, Pin, Spring, Table
 from dualcam.design_file import TEMPLATES, read_design, write_template
 from dualcam.errors import DesignError, UnitWarning
 from dualcam.fmi.variables import all_parameters
@@ -22,6 +22,8 @@ def test_warnings_name_the_likely_unit_and_the_converted_value():
     strange = {
         "cam1.radius": 18,
         "cam2.ellipse_a": 50,
+        "cam1.cycloid_rise": 25,
+        "cam2.cycloid_angle": 80,
         "cam1.lead_angle": 45,
         "cam2.friction": 14,
         "cam1.stribeck_velocity": 5,
@@ -35,6 +37,8 @@ def test_warnings_name_the_likely_unit_and_the_converted_value():
     assert unit_warnings(strange) == [
         "cam1.radius = 18 m: this looks like millimetres; 18 mm is 0.018 m",
         "cam2.ellipse_a = 50 m: this looks like millimetres; 50 mm is 0.05 m",
+        "cam1.cycloid_rise = 25 m: this looks like millimetres; 25 mm is 0.025 m",
+        "cam2.cycloid_angle = 80 rad: this looks like degrees; 80 deg is 1.39626 rad",
         "cam1.lead_angle = 45 rad: this looks like degrees; 45 deg is 0.785398 rad",
         "cam2.friction = 14: this looks like percent or an angle; 14 % is 0.14",
         "cam1.stribeck_velocity = 5 m/s: this looks like mm/s; 5 mm/s is 0.005 m/s",
@@ -84,6 +88,7 @@ TABLE = np.linspace(0.0, 80.0, 9)
     [
         (lambda: Helix(18, 0.7), ["radius = 18 m: this looks like millimetres"]),
         (lambda: Ellipse(0.02, 0.7, 50, 60), ["a = 50 m: this", "b = 60 m: this"]),
+        (lambda: Cycloid(0.02, 20, 80), ["rise = 20 m: this", "angle = 80 rad: this"]),
         (lambda: Table(0.02, TABLE, 0.2 * TABLE), ["psi = 80 rad: this looks like deg", "z = 16 m: this"]),
         (lambda: Spring(50, 32), ["stiffness = 32 N/m: this looks like N/mm"]),
         (lambda: Mechanism((HELIX, HELIX), (14, 0.1), SPRING, 75), ["upper = 75 rad", "friction[0] = 14"]),

@@ -206,7 +206,7 @@ def test_values_of_all_types():
 
 
 @needs_node
-@pytest.mark.parametrize("name", ["helices", "both ellipses", "tables"])
+@pytest.mark.parametrize("name", ["helices", "both ellipses", "cycloid and helix", "tables"])
 def test_stick_band(name, tmp_path):
     """Each angle against an FMU that starts there."""
     scene, angles = SCENES[name], [0.0, 0.3, 0.999, 1.0]

@@ -10,6 +10,7 @@ import json
 import re
 from pathlib import Path
 
+from dualcam.common.groove_laws import ALLOWED
 from dualcam.design_file.schema import defaults, json_schema, known_keys
 from dualcam.fmi.variables import all_parameters
 
@@ -17,7 +18,7 @@ ROOT = Path(__file__).resolve().parents[2]
 PAGE = ROOT / "docs" / "design-file.md"
 SCHEMA = ROOT / "dualcam" / "design_file" / "design.schema.json"
 WORDS = {  # allowed values that the FMU's limits do not say
-    "cam1.profile": '1 or "helix", 2 or "ellipse", 3 or "table"',
+    "cam1.profile": ALLOWED,
     "cam1.ellipse_curvature": "-1 or +1",
     "cam1.table": "path of a file, in quotes",
     "contacts": "1 or 2",

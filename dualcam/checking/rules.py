@@ -15,7 +15,9 @@ import numpy as np
 from dualcam.checking.durability import durability
 from dualcam.checking.trouble import ERROR, WARNING, Remedy, Trouble, finding_of
 from dualcam.checking.values import value_of
+from dualcam.common.groove_laws import CYCLOID, LAWS, PARAMETERS, GrooveLaw
 from dualcam.design import Limits, Mechanism
+from dualcam.design.grooves import ClosedForm
 from dualcam.design.strength import LimitViolation, examine
 from dualcam.design_file import DesignFile, Finding
 from dualcam.errors import DesignError
@@ -29,7 +31,7 @@ def swap_warning(design: DesignFile, errors: Iterable[str]) -> Finding | None:
     None where an error, of these kinds, is not about the grooves, such as one of stops or spring."""
     if not all(kind.startswith(OF_GROOVES) for kind in errors):
         return None
-    grooves = ("profile", "lead_angle", "ellipse_a", "ellipse_b", "ellipse_curvature", "table")
+    grooves = ("profile", *PARAMETERS)
     names = [f"cam{i}.{name}" for i in (1, 2) for name in grooves]
     others = [f"cam{3 - i}.{name}" for i in (1, 2) for name in grooves]
     exchanged = {name: design.value(other) for name, other in zip(names, others, strict=True)}
@@ -80,7 +82,7 @@ def _stops(design: DesignFile) -> list[Trouble]:
 
 def _impossible(design: DesignFile, error: DesignError) -> Trouble:
     """A groove that its class refuses, such as an ellipse that starts vertical."""
-    steep = [f"cam{i}.lead_angle" for i in (1, 2) if design.value(f"cam{i}.profile") != 3]
+    steep = [f"cam{i}.lead_angle" for i in (1, 2) if "lead_angle" in _law(design, i).parameters]
     remedies = tuple(Remedy(key, 0.1) for key in steep if value_of(design, key) > 0.1)
     return Trouble(finding_of(design, "groove", remedies[0].key if remedies else "", str(error)), remedies)
 
@@ -97,13 +99,16 @@ def _trouble(design: DesignFile, mechanism: Mechanism, failure: LimitViolation) 
         hint = "Is the sign of spring.preload wrong?" if design.value("spring.preload") < 0.0 else ""
         return Trouble(finding_of(design, "spring force", "spring.preload", text), tuple(remedies), hint)
     if what.startswith("both grooves level"):
-        finding = finding_of(design, "level", "cam1.lead_angle", text)
-        return Trouble(finding, (Remedy("cam1.lead_angle", 0.8), *_shorter(failure)))
+        laws = _law(design, 1), _law(design, 2)
+        hint = "Two cycloids need stop.lower and initial.theta > 0, or another groove law on one cam"
+        finding = finding_of(design, "level", f"cam1.{laws[0].parameters[0]}", text)
+        steeper = (*_steeper(mechanism, 1, 0.8), *_shorter(failure))
+        return Trouble(finding, steeper, hint if laws == (CYCLOID, CYCLOID) else "")
     if what.startswith("jam"):
-        return _jam(design, text)
+        return _jam(design, mechanism, text)
     if what in design.parameters:
         return Trouble(finding_of(design, "limit", what, text))
-    return _of_groove(design, failure, 2 if what.endswith("2") else 1)
+    return _of_groove(design, mechanism, failure, 2 if what.endswith("2") else 1)
 
 
 def _groove_end(design: DesignFile, mechanism: Mechanism, failure: LimitViolation) -> Trouble:
@@ -119,22 +124,33 @@ def _shorter(failure: LimitViolation) -> tuple[Remedy, ...]:
     return (Remedy("stop.upper", 0.5 * failure.theta),) if failure.theta > 0.01 else ()
 
 
-def _jam(design: DesignFile, text: str) -> Trouble:
+def _law(design: DesignFile, i: int) -> GrooveLaw:
+    return LAWS[design.value(f"cam{i}.profile")]
+
+
+def _steeper(mechanism: Mechanism, i: int, lead: float) -> list[Remedy]:
+    """What moves the lead angle of cam i's groove towards `lead` [rad]; nothing for a table."""
+    groove = mechanism.grooves[i - 1]
+    if not isinstance(groove, ClosedForm):
+        return []
+    return [Remedy(f"cam{i}.{groove.law.steepness}", groove.steepness(lead))]
+
+
+def _jam(design: DesignFile, mechanism: Mechanism, text: str) -> Trouble:
     steep = sorted((1, 2), key=lambda i: -design.value(f"cam{i}.friction"))
     remedies = [Remedy(f"cam{i}.friction", 0.0) for i in steep if not design.value(f"cam{i}.friction_table")]
-    remedies += [Remedy(f"cam{i}.lead_angle", 0.1) for i in (1, 2) if design.value(f"cam{i}.profile") == 1]
+    remedies += [one for i in (1, 2) for one in _steeper(mechanism, i, 0.1)]
     key = remedies[0].key if remedies else f"cam{steep[0]}.friction_table"
     return Trouble(finding_of(design, "jam", key, text), tuple(remedies))
 
 
-def _of_groove(design: DesignFile, failure: LimitViolation, i: int) -> Trouble:
+def _of_groove(design: DesignFile, mechanism: Mechanism, failure: LimitViolation, i: int) -> Trouble:
     what, text = failure.what, failure.text
-    lead, friction = f"cam{i}.lead_angle", f"cam{i}.friction"
-    is_table = design.value(f"cam{i}.profile") == 3
-    key = f"cam{i}.table" if is_table else lead
+    law, friction = _law(design, i), f"cam{i}.friction"
+    key = f"cam{i}.{law.steepness or law.parameters[0]}"
     shorter = _shorter(failure)
     if what.startswith("self-locking"):
-        remedies = [] if is_table else [Remedy(lead, 1.2)]
+        remedies = _steeper(mechanism, i, 1.2)
         hint = "If locking is meant, write self_locking = true below [limits]"
         finding = finding_of(design, f"self-locking {i}", key, text)
         if not design.value(f"cam{i}.friction_table"):
@@ -142,7 +158,7 @@ def _of_groove(design: DesignFile, failure: LimitViolation, i: int) -> Trouble:
         return Trouble(finding, (*remedies, *shorter), hint)
     if what.startswith("lead angle"):
         low, high = (design.limits or Limits()).lead_angle
-        remedies = [] if is_table else [Remedy(lead, 0.5 * (low + high))]
+        remedies = _steeper(mechanism, i, 0.5 * (low + high))
         severity = WARNING if design.limits is None else ERROR
         finding = finding_of(design, f"lead angle {i}", key, text, severity)
         return Trouble(finding, (*remedies, *shorter))

@@ -18,6 +18,7 @@ from dualcam.cli.check import tell_findings
 from dualcam.cli.groove_export import GrooveExport, export_options
 from dualcam.cli.options import anyway, as_json, design_file, example, judge, output_file
 from dualcam.cli.output import count, keep_files_of, print_json, refuse_to_overwrite, say, warn, warnings_said
+from dualcam.common.groove_laws import TABLE
 from dualcam.errors import DesignError, DualcamWarning
 
 if TYPE_CHECKING:
@@ -174,7 +175,7 @@ def _with_groove(design: DesignFile, found: Design | None, cams: tuple[int, ...]
     with TemporaryDirectory() as folder:
         table = Path(folder) / "groove.csv"
         found.table.write(table)
-        groove: dict[str, Scalar] = {"profile": 3, "table": str(table)}
+        groove: dict[str, Scalar] = {"profile": TABLE.number, "table": str(table)}
         new = {f"cam{cam}.{key}": value for cam in cams for key, value in groove.items()}
         yield replace(design, parameters=design.parameters | new)
 

@@ -70,7 +70,7 @@ OPTIONS = (
     _length(
         "--run-out",
         "Length of groove beyond both stops, such as '3 mm': straight at the lead angle of the stop, also"
-        " where a table or an ellipse goes on. Default: 0.",
+        " where the groove law goes on. Default: 0.",
     ),
     click.option(
         "--loading",

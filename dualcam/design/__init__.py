@@ -6,7 +6,7 @@
     design_groove, TorqueCurve              the same from a file with a torque to a file with the groove
     Mechanism, Spring                       torque of slow motion, reactions, curvature of a pair of grooves
     torque_band                             torque band and efficiency over the whole range
-    Helix, Ellipse, Table                   groove laws
+    Helix, Ellipse, Table, Cycloid          groove laws
     assess, Pin, Limits                     can it be made, does it carry its load
     line_contact, Roller, wear              pressure and shear stress, roller, wear and what wear changes
     HelicalSpring, find_springs             stress and fatigue of the spring, search in standard wires
@@ -27,7 +27,7 @@ from dualcam.design.cut.cam_body import CamBody
 from dualcam.design.cut.export import export_groove
 from dualcam.design.cut.groove_cut import Curve, Flanks, GrooveCut
 from dualcam.design.design import Design
-from dualcam.design.grooves import Ellipse, Groove, Helix, Table, curvature
+from dualcam.design.grooves import Cycloid, Ellipse, Groove, Helix, Table, curvature
 from dualcam.design.helical_spring import Fatigue, HelicalSpring
 from dualcam.design.hertz import LineContact, Pin, hertz_pressure, line_contact, relative_radius, shear_below
 from dualcam.design.mechanism import Mechanism, Spring
@@ -55,6 +55,7 @@ __all__ = [
     "BestLeadAngles",
     "CamBody",
     "Curve",
+    "Cycloid",
     "Design",
     "DesignError",
     "EfficiencyMap",

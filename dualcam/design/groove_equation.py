@@ -31,7 +31,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from dualcam.design.grooves import Ellipse, Groove, Helix, Table
+from dualcam.design.grooves import CLASSES, Groove
 from dualcam.design.mechanism import Spring, check_pair
 from dualcam.design.statics import Array, DesignError, sign_of, transfer
 from dualcam.design.torque import Torque, WantedTorque, wanted_torque
@@ -336,8 +336,9 @@ def groove_problem(
         raise DesignError(f"theta = {angle:.6g} rad: torque {wanted(angle)}: allowed are finite numbers")
     if not wanted(angles).any():
         raise DesignError(f"torque 0 from theta = 0 to {upper:g} rad: allowed is a torque > 0 at some angle")
-    if groove2 is not None and not isinstance(groove2, Helix | Ellipse | Table):
-        raise DesignError(f"groove2 = {groove2!r}: allowed are a Helix, an Ellipse, a Table or None")
+    if groove2 is not None and not isinstance(groove2, CLASSES):
+        names = ", ".join(one.__name__ for one in CLASSES)
+        raise DesignError(f"groove2 = {groove2!r}: allowed are {names} or None")
     inside = tuple(sorted({float(kink) for kink in kinks if 0.0 < kink < upper}))
     radii = (radius, radius if groove2 is None else groove2.radius)
     return GrooveProblem(wanted, float(upper), spring, direction, groove2, pair, radii, inside)

@@ -45,7 +45,7 @@ def synthesize(
     direction : {"loading", "releasing", "frictionless"}
         The torque is that of slow loading or that of slow releasing, friction included; or that of the same
         grooves without friction, which lies between the two.
-    groove2 : Groove of cam 2. None: both grooves become equal.
+    groove2 : Groove of cam 2, by a law of this package. None: both grooves become equal.
     friction : Friction coefficients of both contacts [1].
     radius : Radius of cam 1 [m].
     contacts : Number of pin ends that share the load, 1 or 2.

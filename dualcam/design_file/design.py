@@ -8,6 +8,7 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from dualcam.common.groove_laws import PARAMETERS
 from dualcam.common.unit_guards import units_checked_before
 from dualcam.design_file.findings import Finding
 from dualcam.errors import DesignError
@@ -202,17 +203,11 @@ class DesignFile:
             raise DesignError(f"cam{number}: {error}") from None
 
     def _groove(self, number: int) -> Groove:
-        from dualcam.design import Ellipse, Helix, Table
+        from dualcam.design.grooves import groove_of
 
-        def value(name: str) -> Any:  # noqa: ANN401
-            return self.value(f"cam{number}.{name}")
-
-        if value("profile") == 1:
-            return Helix(value("radius"), value("lead_angle"))
-        if value("profile") == 2:
-            shape = (value("ellipse_a"), value("ellipse_b"), value("ellipse_curvature"))
-            return Ellipse(value("radius"), value("lead_angle"), *shape)
-        return Table.read(value("table"), value("radius"))
+        return groove_of(
+            {name: self.value(f"cam{number}.{name}") for name in ("profile", "radius", *PARAMETERS)}
+        )
 
 
 SPRING_TERMS = ("preload", "stiffness", "stiffness2", "stiffness3")

@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from dualcam.common.groove_laws import TABLE
 from dualcam.common.paths import path_of
 from dualcam.common.unit_guards import table_warnings, unit_warning, units_checked_before
 from dualcam.design_file.design import DesignFile, SpringLimits
@@ -238,14 +239,14 @@ class _Reading:
             name, profile = f"{cam}.table", parameters.get(f"{cam}.profile", 1)
             if self._is_refused(f"{cam}.profile") or self._is_refused(name):
                 continue
-            if profile == 3 and not parameters.get(name):
+            if profile == TABLE.number and not parameters.get(name):
                 text = f'{cam}.profile = 3 (table) without {name}: give its path, {name} = "groove.csv"'
                 other = "cam2" if cam == "cam1" else "cam1"
-                if parameters.get(f"{other}.table") and parameters.get(f"{other}.profile", 1) != 3:
+                if parameters.get(f"{other}.table") and parameters.get(f"{other}.profile", 1) != TABLE.number:
                     text += f"; {other} has a table without profile = 3: are cam1 and cam2 swapped?"
                 self.refuse(f"{cam}.profile", profile, text)
             elif parameters.get(name):
-                if profile != 3:
+                if profile != TABLE.number:
                     text = f"{name} is not used with {cam}.profile = {profile}: give {cam}.profile = 3"
                     self.warn(name, parameters[name], text, "unused")
                 self._read_table(parameters, cam)

@@ -18,13 +18,13 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
+from dualcam.common import groove_laws
 from dualcam.common.toml_table import TomlTable
 from dualcam.common.unit_guards import unit_warning
 from dualcam.common.written_units import quantity
 from dualcam.errors import DesignError
 from dualcam.fmi.variables import SettableVariable, all_inputs, all_parameters
 
-PROFILES = {"helix": 1, "ellipse": 2, "table": 3}
 SHAPES = ("linear", "smooth")
 INFINITE = math.inf
 
@@ -109,7 +109,7 @@ def to_number(value: object, variable: SettableVariable) -> float:
 def _whole(value: object, variable: SettableVariable) -> int:
     number = value
     if variable.name.endswith(".profile") and isinstance(value, str):
-        number = PROFILES.get(value)
+        number = groove_laws.NUMBERS.get(value)
     if isinstance(number, float) and number.is_integer():
         number = int(number)
     is_between = number == 0 and variable.name.endswith(".ellipse_curvature")
@@ -117,7 +117,7 @@ def _whole(value: object, variable: SettableVariable) -> int:
         return number
     if variable.name.endswith(".ellipse_curvature"):
         raise PydanticCustomError("value", "allowed is -1 (the groove flattens) or +1 (the groove steepens)")
-    words = ' (1 or "helix", 2 or "ellipse", 3 or "table")' if variable.name.endswith(".profile") else ""
+    words = f" ({groove_laws.ALLOWED})" if variable.name.endswith(".profile") else ""
     raise PydanticCustomError("value", "{text}", {"text": f"allowed is {variable.allowed()}{words}"})
 
 
@@ -142,7 +142,7 @@ def _type_of(variable: SettableVariable) -> Any:  # noqa: ANN401
     if variable.kind is int:
         schema: dict[str, Any] = {"type": "integer", "minimum": variable.least, "maximum": variable.greatest}
         if variable.name.endswith(".profile"):
-            schema = {"enum": [1, 2, 3, *PROFILES]}
+            schema = {"enum": [*groove_laws.LAWS, *groove_laws.NUMBERS]}
         elif variable.name.endswith(".ellipse_curvature"):
             schema = {"enum": [-1, 1]}
         convert = BeforeValidator(lambda value: _whole(value, variable))

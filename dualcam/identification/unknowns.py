@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 from typing import Any
 
+from dualcam.common.groove_laws import LAWS, laws_with
 from dualcam.design_file import DesignFile
 from dualcam.errors import IdentificationError
 from dualcam.fmi.variables import SettableVariable, parameters_of
@@ -18,7 +19,6 @@ SENSORS = {TORQUE_OFFSET: "N.m", ANGLE_OFFSET: "rad"}
 CAMS = ("cam1", "cam2")
 WITHOUT_EFFECT = ("wear", "table")  # of a cam; the torque does not depend on these
 GROUPS = (*CAMS, "spring", "damper", "inertia", "shaft")
-PROFILES = {1: '"helix"', 2: '"ellipse"', 3: '"table"'}
 MENTIONED = (*DEFAULT, "friction_peak", "friction_viscous", "inertia.shaft", TORQUE_OFFSET, ANGLE_OFFSET)
 ELASTIC = "shaft.stiffness"  # the torque then depends on the past
 
@@ -60,13 +60,11 @@ def _reason(design: DesignFile, key: str) -> str:
     cam, _, last = key.partition(".")
     if cam not in CAMS:
         return ""
-    profile = int(design.value(f"{cam}.profile"))
-    wanted = {"ellipse_a": (2,), "ellipse_b": (2,), "lead_angle": (1, 2)}.get(last, (profile,))
-    if profile not in wanted:
-        laws = " or ".join(PROFILES[number] for number in wanted)
+    law, users = LAWS[int(design.value(f"{cam}.profile"))], laws_with(last)
+    if law not in users:
+        words = " or ".join(f'"{user.word}"' for user in users)
         return (
-            f"acts for {cam}.profile = {laws} only, and {design.path.name} has {cam}.profile ="
-            f" {PROFILES[profile]}"
+            f'acts for {cam}.profile = {words} only, and {design.path.name} has {cam}.profile = "{law.word}"'
         )
     exponent = f"{cam}.friction_load_exponent"
     if last == "friction_load" and not design.value(exponent):

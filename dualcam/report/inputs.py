@@ -7,6 +7,7 @@ from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from dualcam.common.groove_laws import LAWS, PARAMETERS, laws_with
 from dualcam.design_file.friction_tables import ANALYTIC_FRICTION
 from dualcam.fmi.model_description import Scalar
 from dualcam.fmi.variables import SettableVariable, all_inputs, parameters_of
@@ -25,14 +26,6 @@ USUAL = {  # unit of the FMU -> usual unit, its factor
     "N/m": ("N/mm", 1e-3),
     "kg.m2": ("kg.cm2", 1e4),
     "Pa": ("MPa", 1e-6),
-}
-PROFILES = {1: "helix", 2: "ellipse", 3: "table"}
-PROFILE_OF = {
-    "lead_angle": (1, 2),
-    "ellipse_a": (2,),
-    "ellipse_b": (2,),
-    "ellipse_curvature": (2,),
-    "table": (3,),
 }
 UNITS = {  # of the keys of [pin], [roller], [helical_spring] and [limits] that have one
     "pin": {"radius": "m", "width": "m", "modulus": "Pa", "cam_modulus": "Pa", "wear": "m3/(N.m)"},
@@ -84,12 +77,12 @@ def _is_used(design: DesignFile, name: str) -> bool:
     group, _, key = name.partition(".")
     if key in ANALYTIC_FRICTION and design.value(f"{group}.friction_table"):
         return False
-    return key not in PROFILE_OF or design.value(f"{group}.profile") in PROFILE_OF[key]
+    return key not in PARAMETERS or LAWS[int(design.value(f"{group}.profile"))] in laws_with(key)
 
 
 def _parameter(variable: SettableVariable, value: Scalar, given: bool) -> Row:
     if variable.name.endswith(".profile"):
-        row: Row = variable.name, PROFILES[int(value)], "", ""
+        row: Row = variable.name, LAWS[int(value)].word, "", ""
     elif isinstance(value, str):
         row = variable.name, Path(value).name, "", ""
     elif isinstance(value, bool):

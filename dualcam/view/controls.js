@@ -34,7 +34,6 @@ const RANGES = {
 };
 
 const WORDS = {
-  "profile": { 1: "helix", 2: "ellipse", 3: "table" },
   "ellipse_curvature": { "-1": "flattens", "1": "steepens" },
   "contacts": { 1: "1", 2: "2" },
   "stribeck_exponent": { 1: "1 (Tustin)", 2: "2 (Gauss)" },
@@ -79,7 +78,7 @@ class Field {
   }
 
   makeEntry(files) {
-    const { type, name } = this.variable;
+    const { type, name, words } = this.variable;
     if (type === "Real") {
       const entry = document.createElement("input");
       entry.type = "number";
@@ -93,7 +92,7 @@ class Field {
         ? Object.fromEntries(["", ...Object.keys(files)].map((file) => [file, file || "none"]))
         : type === "Boolean"
           ? { true: "yes", false: "no" }
-          : (WORDS[ending(name)] ?? integers(this.variable));
+          : (words ?? WORDS[ending(name)] ?? integers(this.variable));
     for (const [value, word] of Object.entries(options)) entry.add(new Option(word, value));
     const read = { String: String, Boolean: (value) => value === "true", Integer: Number }[type];
     entry.addEventListener("change", () => this.submit(read(entry.value)));
@@ -205,7 +204,7 @@ export class Controls {
       if (field.variable.causality === "parameter") {
         field.show(engine.get(name));
         field.box.classList.remove("refused");
-        field.box.hidden = !isUsed(engine, name);
+        field.box.hidden = !isUsed(engine, field.variable);
       }
     }
     this.refreshInputs();
@@ -240,11 +239,7 @@ function addGroup(parent, title) {
   return group;
 }
 
-const LAWS = { lead_angle: [1, 2], ellipse_a: [2], ellipse_b: [2], ellipse_curvature: [2], table: [3] };
-
 /** Does the groove law of the cam use the parameter? */
-function isUsed(engine, name) {
-  const laws = LAWS[ending(name)];
-  if (laws === undefined || !name.startsWith("cam")) return true;
-  return laws.includes(engine.get(`${name.slice(0, 4)}.profile`));
+function isUsed(engine, { name, profiles }) {
+  return profiles === undefined || profiles.includes(engine.get(`${name.slice(0, 4)}.profile`));
 }

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import dualcam
+from dualcam.common.groove_laws import LAWS, PARAMETERS, laws_with
 from dualcam.common.paths import page_path_of, write_text
 from dualcam.common.unit_guards import units_checked_before
 from dualcam.design_file import as_design
@@ -167,10 +168,19 @@ def _description() -> dict[str, Any]:
             "max": variable.max,
             "unit": variable.unit,
             "description": variable.description,
+            **_of_groove_laws(variable.name),
         }
         for variable in read.variables
     ]
     return {"guid": read.guid, "variables": variables}
+
+
+def _of_groove_laws(name: str) -> dict[str, Any]:
+    """The words of a cam's profile by their numbers; the profiles that use a parameter that not all use."""
+    key = name.partition(".")[2]
+    if key == "profile":
+        return {"words": {law.number: law.word for law in LAWS.values()}}
+    return {"profiles": [law.number for law in laws_with(key)]} if key in PARAMETERS else {}
 
 
 def _with_tables(parameters: Mapping[str, Scalar]) -> tuple[dict[str, Scalar], dict[str, str]]:

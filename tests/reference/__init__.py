@@ -47,7 +47,7 @@ The modules, bottom up (each imports from those above it):
 """
 
 from .arithmetic import DOUBLE, MP, SIXTY_DIGITS
-from .grooves import ELLIPSE, HELIX, TABLE, Ellipse, Groove, Helix, groove_of
+from .grooves import CYCLOID, ELLIPSE, HELIX, TABLE, Cycloid, Ellipse, Groove, Helix, groove_of
 from .kinematics import Grooves, Helices, Kinematics
 from .mechanism import Mechanism, Slip
 from .parameters import (

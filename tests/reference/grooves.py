@@ -1,4 +1,4 @@
-"""Groove laws z = g(psi): helix, ellipse, and the choice among all profiles."""
+"""Groove laws z = g(psi): helix, ellipse, cycloid, and the choice among all profiles."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Protocol
 from .parameters import CAM, DEFAULTS, Params
 from .table import Table, read_table
 
-HELIX, ELLIPSE, TABLE = 1, 2, 3
+HELIX, ELLIPSE, TABLE, CYCLOID = 1, 2, 3, 4
 
 
 class Groove(Protocol):
@@ -67,6 +67,23 @@ class Ellipse:
         )
 
 
+class Cycloid:
+    """z = H (psi/B - sin(2 pi psi/B)/(2 pi)), g' = 2 H/B sin^2(pi psi/B), g'' its derivative."""
+
+    knots: Sequence[float] = ()
+
+    def __init__(self, rise: float, angle: float) -> None:
+        self.rise, self.angle, self.range = rise, angle, (0.0, angle)
+
+    def derivatives(self, psi: float, piece: int) -> tuple[float, float, float]:
+        turn, rate = 2.0 * math.pi * psi / self.angle, self.rise / self.angle
+        return (
+            self.rise * (psi / self.angle - math.sin(turn) / (2.0 * math.pi)),
+            2.0 * rate * math.sin(turn / 2.0) ** 2,
+            2.0 * math.pi / self.angle * rate * math.sin(turn),
+        )
+
+
 def groove_of(params: Params, i: int) -> Groove:
     p = {name: params.get(f"cam{i}.{name}", DEFAULTS[f"cam{i}.{name}"]) for name in CAM}
     if p["profile"] == HELIX:
@@ -74,4 +91,6 @@ def groove_of(params: Params, i: int) -> Groove:
     if p["profile"] == ELLIPSE:
         curvature = int(p["ellipse_curvature"])
         return Ellipse(p["radius"], p["lead_angle"], p["ellipse_a"], p["ellipse_b"], curvature)
+    if p["profile"] == CYCLOID:
+        return Cycloid(p["cycloid_rise"], p["cycloid_angle"])
     return Table(*read_table(p["table"]))

@@ -25,6 +25,8 @@ DEFAULTS: dict[str, Any] = {
             "ellipse_a": 0.05,
             "ellipse_b": 0.05,
             "ellipse_curvature": -1,
+            "cycloid_rise": 0.02,
+            "cycloid_angle": 1.3963,
             "table": "",
             "friction_table": "",
             "friction": 0.14,

@@ -1,4 +1,4 @@
-"""Random scenes with elliptical and tabulated grooves."""
+"""Random scenes with elliptical, tabulated and cycloidal grooves."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from .arithmetic import DOUBLE, poly
-from .grooves import ELLIPSE, HELIX, TABLE
+from .grooves import CYCLOID, ELLIPSE, HELIX, TABLE
 from .mechanism import Mechanism
 from .parameters import Refused
 from .random_scenes import inertia_is_positive, log_uniform, mixed
@@ -20,8 +20,8 @@ from .table import write_table
 def random_general_scene(
     rng: np.random.Generator, folder: str | Path
 ) -> tuple[dict[str, Any], list[Interval]]:
-    """A varied, well-posed scene with elliptical and tabulated grooves (some helices), nonlinear spring and
-    damper, and inputs up to cubic in time. Tables are written into `folder`."""
+    """A varied, well-posed scene with elliptical, tabulated and cycloidal grooves (some helices), nonlinear
+    spring and damper, and inputs up to cubic in time. Tables are written into `folder`."""
     while True:
         scene = _draw_general_scene(rng, Path(folder))
         if scene is not None:
@@ -38,6 +38,12 @@ def _draw_ellipse(rng: np.random.Generator, radius: float, lower: float, upper: 
     lead = rng.uniform(0.25, 1.15)
     b = a * math.tan(lead) * math.sqrt(1.0 - s0 * s0) / s0
     return {"lead_angle": lead, "ellipse_a": a, "ellipse_b": b, "ellipse_curvature": kappa}
+
+
+def _draw_cycloid(rng: np.random.Generator, radius: float, upper: float) -> dict[str, Any]:
+    """Level at psi = 0, and again beyond the largest possible angle."""
+    angle = upper * rng.uniform(1.02, 1.6)
+    return {"cycloid_angle": angle, "cycloid_rise": radius * angle * math.tan(rng.uniform(0.3, 0.9))}
 
 
 def draw_table(
@@ -80,8 +86,8 @@ def _draw_general_scene(
     p["stop.restitution"] = mixed(rng, 0.7, lambda: rng.uniform(0.05, 0.6))
     lower, upper = p["stop.lower"], p["stop.upper"]
     span = upper - lower
-    profiles = rng.choice([HELIX, ELLIPSE, TABLE], 2, p=[0.15, 0.45, 0.4])
-    if all(profiles == HELIX):
+    profiles = rng.choice([HELIX, ELLIPSE, TABLE, CYCLOID], 2, p=[0.15, 0.45, 0.3, 0.1])
+    if all(profiles == HELIX) or all(profiles == CYCLOID) or (lower < 0 and CYCLOID in profiles):
         return None
     name = f"{rng.integers(2**48):012x}"
     dwell = False
@@ -92,6 +98,10 @@ def _draw_general_scene(
             p[f"cam{i}.lead_angle"] = rng.uniform(0.2, 1.1)
         elif profile == ELLIPSE:
             drawn = _draw_ellipse(rng, radius, lower, upper)
+            p |= {f"cam{i}.{key}": value for key, value in drawn.items()}
+        elif profile == CYCLOID:
+            dwell = True  # level at its start
+            drawn = _draw_cycloid(rng, radius, upper)
             p |= {f"cam{i}.{key}": value for key, value in drawn.items()}
         else:
             psi, z = draw_table(rng, radius, lower, upper)

@@ -44,10 +44,10 @@ PARAMETERS = st.fixed_dictionaries(
 
 # What grooves of any shape and nonlinear elements add. An ellipse is drawn by where it starts, S0 in (0,
 # 1), and how far it gets, so that hardly any is left before a stop; a table by the rises between its
-# points, some of them 0.
+# points, some of them 0; a cycloid by how far it gets. A cycloid begins at the lower stop, and is one of two.
 SHAPES = st.fixed_dictionaries(
     {
-        "profile": st.sampled_from([1, 2, 2, 3, 3]),
+        "profile": st.sampled_from([1, 2, 2, 3, 3, 4]),
         "start": st.floats(0.02, 0.98),
         "reach": st.floats(1.01, 30.0),
         "curvature": st.sampled_from([-1, 1]),
@@ -67,6 +67,8 @@ NONLINEAR = st.fixed_dictionaries(
 def grooved(parameters, shapes, folder):
     """`parameters` with these grooves."""
     found = dict(parameters)
+    cycloids = [shape["profile"] for shape in shapes].count(4)
+    assume(cycloids == 0 or (cycloids == 1 and parameters["stop.lower"] == 0.0))
     most = max(parameters["stop.upper"], -parameters["stop.lower"])
     for i, shape in enumerate(shapes, start=1):
         cam, radius = f"cam{i}.", parameters[f"cam{i}.radius"]
@@ -79,6 +81,11 @@ def grooved(parameters, shapes, folder):
             sizes = {cam + "ellipse_a": a, cam + "ellipse_b": b}
             assume(all(1e-6 <= size <= 1e3 for size in sizes.values()))
             found |= sizes | {cam + "ellipse_curvature": kappa}
+        if shape["profile"] == 4:
+            angle = shape["reach"] * most
+            sizes = {cam + "cycloid_angle": angle, cam + "cycloid_rise": radius * math.tan(lead) * angle}
+            assume(all(1e-6 <= size <= 1e3 for size in sizes.values()))
+            found |= sizes
         if shape["profile"] == 3:
             low, count = 1.01 * min(parameters["stop.lower"], 0.0), len(shape["rises"])
             step = (1.01 * parameters["stop.upper"] - low) / count

@@ -20,6 +20,7 @@ import numpy as np
 from driver import ROOT
 
 from dualcam import Fmu, FmuError, fmu_path, read_model_description
+from dualcam.common.groove_laws import LAWS
 from dualcam.fmi.library import MODELS, web_path
 
 SUPPORT = ROOT / "tests/support"
@@ -124,6 +125,7 @@ SCENES = {
     "flattening ellipse": Scene({**FLAT, "stop.upper": 1.0}, loading(8.0)),
     "steepening ellipse": Scene({**STEEP, **DAMPED, "stop.upper": 1.0}, loading(10.0)),
     "both ellipses": Scene({**FLAT, **STEEP, **HEAVY, "stop.upper": 1.0}, loading(9.0, 50.0)),
+    "cycloid and helix": Scene({"cam1.profile": 4, **HEAVY}, loading(12.0)),
     "tables": Scene({**TABLES, **HEAVY}, loading(9.0), TABLE_FILES),
     "table and helix": Scene({"cam1.profile": 3, "cam1.table": "first.csv"}, loading(9.0), TABLE_FILES),
     "without inertia": Scene({"inertia.shaft": 0.0}, loading(10.0)),
@@ -274,8 +276,7 @@ def run_in_node(scene: Scene) -> Results:
 
 def design_text(scene: Scene) -> str:
     """The design file of a scene."""
-    laws = {1: "helix", 2: "ellipse", 3: "table"}
-    values = {n: laws[int(v)] if n.endswith(".profile") else v for n, v in scene.start.items()}
+    values = {n: LAWS[int(v)].word if n.endswith(".profile") else v for n, v in scene.start.items()}
     return "".join(f"{name} = {json.dumps(value)}\n" for name, value in values.items())
 
 

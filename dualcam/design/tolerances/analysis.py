@@ -172,7 +172,7 @@ def analyse(
         The nominal mechanism. Parameters without a tolerance keep its values. The friction of a design file
         with `friction_peak` is the static one.
     tolerances
-        Independent distributions of `cam1.radius`, `cam1.lead_angle`, `cam1.ellipse_a`, `cam1.ellipse_b`,
+        Independent distributions of `cam1.radius`, the groove law's parameters such as `cam1.lead_angle`,
         `cam1.friction`, likewise cam2, `spring.preload`, `spring.stiffness`, `spring.stiffness2`,
         `spring.stiffness3`; and of `cam1.clearance` [m], width of the groove less diameter of the pin, and
         `cam1.groove_scale` [1], the factor on all heights of the groove.

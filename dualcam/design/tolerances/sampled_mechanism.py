@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dualcam.design.grooves import VERTICAL, Ellipse, Groove, Helix, Point, ellipse_law
+from dualcam.design.grooves import ClosedForm, Groove, Point
 from dualcam.design.load_law import friction_under
 from dualcam.design.mechanism import Mechanism, meeting
 from dualcam.design.statics import Array, band
@@ -33,10 +33,7 @@ OWN = {  # parameters of this file: nominal value, allowed values
     SCALE: (1.0, "a number > 0"),
 }
 COMMON = ("radius", "friction", CLEARANCE, SCALE)
-OF_LAW: dict[type, tuple[str, ...]] = {
-    Helix: ("lead_angle",),
-    Ellipse: ("lead_angle", "ellipse_a", "ellipse_b"),
-}
+WHOLE = ("ellipse_curvature",)  # parameters that are integers
 SPRING = ("preload", "stiffness", "stiffness2", "stiffness3")
 NEWTON = 50  # steps at most; a few are needed
 SETTLED = 1e-13  # rad, a step that small is the last one
@@ -50,7 +47,8 @@ def names_of(mechanism: Mechanism) -> list[str]:
     """The parameters that can have a tolerance."""
     found = []
     for number, groove in enumerate(mechanism.grooves, 1):
-        found += [f"cam{number}.{name}" for name in (*COMMON, *OF_LAW.get(type(groove), ()))]
+        shape = groove.law.parameters if isinstance(groove, ClosedForm) else ()
+        found += [f"cam{number}.{name}" for name in (*COMMON, *shape) if name not in WHOLE]
     return [*found, *(f"spring.{name}" for name in SPRING)]
 
 
@@ -111,20 +109,15 @@ class _SampledGroove:
         self.law, self._scale = groove, given.get(SCALE, 1.0)
         self.radius = given.get("radius", groove.radius)
         self.half_clearance = 0.5 * given.get(CLEARANCE, 0.0)
-        if isinstance(groove, Helix | Ellipse):
-            self._tangent = np.tan(given.get("lead_angle", own["lead_angle"]))
-        if isinstance(groove, Ellipse):
-            self._a, self._b = (given.get(f"ellipse_{axis}", own[f"ellipse_{axis}"]) for axis in "ab")
-            ratio = self._a / self._b * self._tangent
-            self._start = ratio / np.sqrt(1.0 + ratio**2)  # sin(atan(ratio))
+        if isinstance(groove, ClosedForm):
+            shape = [given.get(name, own[name]) for name in groove.law.parameters]
+            self._values: list[Any] = [self.radius, *shape]
 
     @property
     def range(self) -> tuple[Any, Any]:
-        if not isinstance(self.law, Ellipse):
+        if not isinstance(self.law, ClosedForm):
             return self.law.range
-        rate = np.real(self._a / self.radius) * self.law.bending
-        ends = [(S - np.real(self._start)) * rate for S in (0.0, 1.0 - VERTICAL)]
-        return np.minimum(*ends), np.maximum(*ends)
+        return self.law.ends(*(np.real(value) for value in self._values))
 
     def at(self, psi: NDArray[Any]) -> Point:
         """The law. A table goes on straight beyond its ends."""
@@ -133,11 +126,8 @@ class _SampledGroove:
 
     def _law(self, psi: NDArray[Any]) -> Point:
         groove = self.law
-        if isinstance(groove, Helix):
-            gain = self.radius * self._tangent
-            return Point(gain * psi, gain + 0.0 * psi, 0.0 * psi)
-        if isinstance(groove, Ellipse):
-            return ellipse_law(psi, self.radius, self._start, self._a, self._b, groove.bending)
+        if isinstance(groove, ClosedForm):
+            return groove.formula(psi, *self._values)
         inside = np.clip(psi.real, *groove.range)
         point = groove.at(inside)
         beyond = psi - inside  # also the imaginary part

@@ -5,6 +5,7 @@ from __future__ import annotations
 from importlib.resources import files
 from pathlib import Path
 
+from dualcam.common.groove_laws import NUMBERS
 from dualcam.common.paths import whole_file
 from dualcam.errors import DesignError, DualcamError
 
@@ -52,6 +53,7 @@ def write_template(name: str, path: str | Path, overwrite: bool = False) -> Path
         raise DesignError(f"template {name!r}: allowed are {', '.join(TEMPLATES)}")
     path = Path(path)
     text = (files(__package__) / f"{name}.toml").read_text(encoding="utf-8")
+    text = text.replace("{groove laws}", ", ".join(f'"{word}"' for word in NUMBERS))
     try:
         if path.exists() and not overwrite:
             raise DesignError(f"{path} exists already: choose another name, or remove the file")

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from dualcam.common.groove_laws import LAWS
 from dualcam.fmi.model_description import Scalar
 from dualcam.scenario.formula import formula
 from dualcam.scenario.scenario import History, Scenario
@@ -63,14 +64,12 @@ def design_text(task: Optimisation, design: Design, head: str) -> str:
 
 def _set_values(content: dict[str, Any], values: Mapping[str, Scalar]) -> None:
     """Put the values of parameters into the tables of a design file."""
-    from dualcam.design_file.schema import PROFILES
     from dualcam.fmi.variables import all_parameters
 
-    words = {number: word for word, number in PROFILES.items()}
     for name in sorted(set(values) & set(all_parameters())):
         group, _, key = name.rpartition(".")
         table = content.setdefault(group, {}) if group else content
-        table[key] = words[int(values[name])] if key == "profile" else values[name]
+        table[key] = LAWS[int(values[name])].word if key == "profile" else values[name]
 
 
 def _with_scenario(

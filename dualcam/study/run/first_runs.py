@@ -9,6 +9,7 @@ from collections.abc import Collection, Mapping
 
 import numpy as np
 
+from dualcam.common.groove_laws import TABLE
 from dualcam.common.mistakes import refuse
 from dualcam.errors import DualcamWarning
 from dualcam.fmi.reals import Array
@@ -21,7 +22,6 @@ from dualcam.study.run.runner import Job, Runner
 SAMPLE = 32  # runs by which the time of a study is estimated
 LOOKED_AT = 1000  # runs, for what cannot be known of all
 PROFILES = {"cam1.table": "cam1.profile", "cam2.table": "cam2.profile"}
-TABLE = 3  # profile of a groove table
 
 
 def check(job: Job, plan: Plan, used: Collection[str] = ()) -> Runner:
@@ -62,10 +62,10 @@ def unused_tables(variables: Variables, plan: Plan, parameters: Mapping[str, obj
         if table not in plan.names or profile not in variables.by_name or profile in plan.names:
             continue
         value = parameters.get(profile, variables.by_name[profile].start)
-        if value != TABLE:
+        if value != TABLE.number:
             found.append(
                 f"plan: {table} varies, and no run reads the tables: {profile} = {value}. Give "
-                f'"{profile}" = {TABLE} in parameters'
+                f'"{profile}" = {TABLE.number} in parameters'
             )
     return found
 

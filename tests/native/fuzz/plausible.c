@@ -17,6 +17,8 @@ static const Range ranges[] = {
     {".lead_angle", 0.1, 1.4, 0},
     {".ellipse_a", 0.02, 0.5, 0},
     {".ellipse_b", 0.02, 0.5, 0},
+    {".cycloid_rise", 5e-3, 0.1, 0},
+    {".cycloid_angle", 0.3, 5.0, 0},
     {".friction", 0.01, 0.5, ZERO},
     {".friction_peak", 1.0, 2.0, 0},
     {".stribeck_velocity", 1e-3, 0.1, 0},

@@ -231,17 +231,17 @@ def _dip(f: Callable[[float], float], times: list[float], values: list[float]) -
 
 
 def _descent(f: Callable[[float], float], low: float, high: float, at_low: float) -> float:
-    """The zero between low, where f >= 0 but for the rounding between two steps, and high, where f < 0."""
-    if math.isnan(f(high)):
+    """The zero between low, where f >= 0, and high, where f < 0, to rounding."""
+    at_high = f(high)
+    if math.isnan(at_high):
         raise Unresolved("the balance has no answer")
-    if at_low <= 0 or f(low) < 0:
+    if at_high >= 0:
+        return high
+    if at_low <= 0:
         inner = next(
             (low + (high - low) * 0.5**k for k in range(1, 46) if f(low + (high - low) * 0.5**k) > 0), None
         )
         if inner is None:
             return low
         low = inner
-    try:
-        return float(brentq(f, low, high, xtol=1e-17 + 4e-16 * abs(high), rtol=9e-16))
-    except ValueError:  # one end is the zero: a pin found from another start differs by rounding
-        return min((low, high), key=lambda t: abs(f(t)))
+    return float(brentq(f, low, high, xtol=1e-17 + 4e-16 * abs(high), rtol=9e-16))

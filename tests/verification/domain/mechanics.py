@@ -6,51 +6,16 @@ import math
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
-from reference.grooves import Ellipse, Groove, Helix
-from reference.parameters import DEFAULTS as WITHOUT_CYCLOID
+from reference.grooves import Helix, groove_of
+from reference.parameters import DEFAULTS
 
 Pair = tuple[int, int]
 PAIRS: tuple[Pair, ...] = ((1, 1), (-1, 1), (1, -1), (-1, -1))
 ROUNDING = 1e-11  # of the largest term of a sum: a sum below counts as zero in a decision
-HELIX, ELLIPSE, CYCLOID = 1, 2, 4
-CYCLOID_DEFAULTS = {
-    f"cam{i}.{name}": value
-    for i in (1, 2)
-    for name, value in {"cycloid_rise": 0.02, "cycloid_angle": 1.3963}.items()
-}
-DEFAULTS: dict[str, Any] = WITHOUT_CYCLOID | CYCLOID_DEFAULTS
 
 
 class Unresolved(Exception):
     """The reference gives no answer: an event chain without end, or a groove left."""
-
-
-class Cycloid:
-    """z = H (psi/B - sin(2 pi psi/B)/(2 pi))."""
-
-    knots: tuple[float, ...] = ()
-
-    def __init__(self, rise: float, angle: float) -> None:
-        self.rise, self.angle, self.range = rise, angle, (0.0, angle)
-
-    def derivatives(self, psi: float, piece: int) -> tuple[float, float, float]:
-        turn, rate = 2 * math.pi * psi / self.angle, self.rise / self.angle
-        fall = math.sin(turn / 2)
-        return (
-            self.rise * (psi / self.angle - math.sin(turn) / (2 * math.pi)),
-            2 * rate * fall * fall,
-            rate * 2 * math.pi / self.angle * math.sin(turn),
-        )
-
-
-def groove_of(p: Mapping[str, Any], i: int) -> Groove:
-    radius, lead, profile = p[f"cam{i}.radius"], p[f"cam{i}.lead_angle"], p[f"cam{i}.profile"]
-    if profile == HELIX:
-        return Helix(radius * math.tan(lead))
-    if profile == ELLIPSE:
-        axes = p[f"cam{i}.ellipse_a"], p[f"cam{i}.ellipse_b"]
-        return Ellipse(radius, lead, *axes, int(p[f"cam{i}.ellipse_curvature"]))
-    return Cycloid(p[f"cam{i}.cycloid_rise"], p[f"cam{i}.cycloid_angle"])
 
 
 class Place(NamedTuple):
@@ -156,35 +121,21 @@ class Mechanism:
 
     def _meet(self, theta: float) -> tuple[float, float, float, float, float]:
         """z and the derivatives of both grooves where g_1(gamma) = g_2(theta - gamma): Newton's method from
-        the latest gamma, else bisection."""
-        first, second = (groove.derivatives for groove in self.grooves)
-        gamma = self._gamma
-        for _ in range(40):
-            z, a1, b1 = first(gamma, 0)
-            other, a2, b2 = second(theta - gamma, 0)
-            if not a1 + a2 > 0:
-                gamma = self._bisected(theta)
-                continue
-            step = (other - z) / (a1 + a2)
-            if abs(step) <= 4e-16 * (abs(theta) + abs(gamma)):
-                self._gamma = gamma
-                return z, a1, b1, a2, b2
-            inside = min(max(gamma + step, min(theta, 0.0)), max(theta, 0.0))
-            gamma = inside if abs(inside - gamma) > 0 else self._bisected(theta)
-        gamma = self._gamma = self._bisected(theta)
-        z, a1, b1 = first(gamma, 0)
-        return z, a1, b1, *second(theta - gamma, 0)[1:]
-
-    def _bisected(self, theta: float) -> float:
+        the latest gamma, and bisection where a step leaves the bracket of the root."""
         first, second = (groove.derivatives for groove in self.grooves)
         low, high = min(0.0, theta), max(0.0, theta)
-        for _ in range(60):
-            middle = (low + high) / 2
-            if first(middle, 0)[0] < second(theta - middle, 0)[0]:
-                low = middle
-            else:
-                high = middle
-        return (low + high) / 2
+        gamma = min(max(self._gamma, low), high)
+        for _ in range(100):
+            z, a1, b1 = first(gamma, 0)
+            other, a2, b2 = second(theta - gamma, 0)
+            gap = other - z
+            step = gap / (a1 + a2) if a1 + a2 > 0 else gap * math.inf
+            if gap == 0 or abs(step) <= 4e-16 * (abs(theta) + abs(gamma)):
+                break
+            low, high = (gamma, high) if gap > 0 else (low, gamma)
+            gamma = gamma + step if low < gamma + step < high else (low + high) / 2
+        self._gamma = gamma
+        return z, a1, b1, a2, b2
 
     def spring_force(self, z: float) -> float:
         force, k, k2, k3 = self.spring

@@ -17,7 +17,7 @@ from multiprocessing import Pool
 from pathlib import Path
 from typing import Any
 
-from driver import FORWARD, ROOT, load
+from driver import ROOT, load
 
 from .domain import REFUSED, SELF_LOCKING, UNIQUE
 from .play import Outcome, judge, judge_far
@@ -33,13 +33,10 @@ def _open(binary: Path, tolerance: float, far: bool, kind: str | None) -> None:
 
 
 def _judge(seed: int) -> Outcome | None:
-    """None where the scene is not of the class asked for, or has a groove law that this FMU lacks."""
+    """None where the scene is not of the class asked for."""
     if _worker["far"]:
         return judge_far(_worker["library"], seed, _worker["tolerance"])
-    scene = draw_scene(seed)
-    if max(scene.params[f"cam{i}.profile"] for i in (1, 2)) > FORWARD.variables["cam1.profile"].max:
-        return None
-    if _worker["kind"] not in (None, scene.verdict.kind):
+    if _worker["kind"] not in (None, draw_scene(seed).verdict.kind):
         return None
     return judge(_worker["library"], seed, _worker["tolerance"])
 

@@ -7,9 +7,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from reference.grooves import CYCLOID, ELLIPSE, HELIX
 
 from .domain import Verdict, classify
-from .mechanics import CYCLOID, ELLIPSE, HELIX, Mechanism
+from .mechanics import Mechanism
 from .reference import Interval
 
 Rng = np.random.Generator
@@ -65,9 +66,7 @@ def draw_scene(seed: int) -> Scene:
             params["initial.omega"] = abs(params["initial.omega"]) * (1 if edge == mech.lower else -1)
     intervals = _draw_inputs(rng, force, force * slope * 2, period, steady=regime == "play")
     params = {
-        name: given.item() if isinstance(given, np.generic) else given
-        for name, given in params.items()
-        if "cycloid" not in name or params[f"{name[:4]}.profile"] == CYCLOID
+        name: given.item() if isinstance(given, np.generic) else given for name, given in params.items()
     }
     return Scene(seed, params, intervals, classify(params, intervals[0].f_ext[0]))
 
@@ -227,7 +226,6 @@ def draw_far(seed: int) -> tuple[Params, list[Interval]]:
     for name in rng.choice(continuous, int(rng.integers(1, 8)), replace=False):
         params[name] = float(rng.choice([0.0, -1.0, 1.0, 1e-3, 1.0])) * log_uniform(rng, 1e-9, 1e9)
     for i in (1, 2):
-        params[f"cam{i}.profile"] = min(params[f"cam{i}.profile"], ELLIPSE)
         if rng.random() < 0.4:
             params[f"cam{i}.friction"] = log_uniform(rng, 0.3, 30.0)
     intervals = [

@@ -39,9 +39,13 @@ def draw_groove(rng: np.random.Generator, tables: Tables, i: int, span: tuple[fl
             f"cam{i}.lead_angle": math.atan(b / a * s0 / math.sqrt(1.0 - s0 * s0)),
             f"cam{i}.ellipse_curvature": 1 if s1 > s0 else -1,
         }
-    elif rng.random() < 0.7:
+    elif (share := rng.random()) < 0.7:
         psi, z = reference.draw_table(rng, radius, *span)
         made[f"cam{i}.table"] = tables.write(psi, z)
+    elif share < 0.8 and span[0] >= 0.0:
+        angle = span[1] * rng.uniform(1.001, 2.0)
+        made[f"cam{i}.profile"], made[f"cam{i}.cycloid_angle"] = 4, angle
+        made[f"cam{i}.cycloid_rise"] = radius * angle * decades(rng, -1, 1)
     else:  # rough: steps, flats and corners
         psi = np.sort(
             np.concatenate([rng.uniform(span[0] - 0.2, span[1] + 0.2, int(rng.integers(3, 30))), [0.0]])

@@ -1,210 +1,27 @@
-"""Groove laws z = g(psi) as the FMU has them (fmu_src/geometry/groove.h), for arrays, with the curvature
-of the unwrapped groove (x = r psi, z).
-
-A `Table` lays the very curve through its samples that the FMU lays (fmu_src/geometry/groove_table.h)."""
+"""Grooves by samples."""
 
 from __future__ import annotations
 
-import math
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any, NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from dualcam.common.arrays import real_array
+from dualcam.common.groove_laws import TABLE
 from dualcam.common.paths import write_text
 from dualcam.common.tables import GROOVE_HEADER, fmu_text
-from dualcam.common.unit_guards import table_warnings, unit_warning, units_checked_before, warn_units
+from dualcam.common.unit_guards import table_warnings, units_checked_before
 from dualcam.design.groove_files import read_groove
+from dualcam.design.grooves.groove import Point, check_radius
 from dualcam.design.statics import Array, DesignError
 from dualcam.errors import UnitWarning
 
-VERTICAL = 1e-10  # of S: an elliptical groove ends that much before it is vertical, as in the FMU
 STENCIL = 5  # samples that a table's slope at a sample comes from
-
-Numbers = float | NDArray[Any]
-
-
-class Point(NamedTuple):
-    """A groove law at one angle or at many."""
-
-    z: Array  # height [m], of the shape of psi
-    slope: Array  # dz/dpsi [m/rad]
-    d2z_dpsi2: Array  # second derivative [m/rad2]
-
-
-class Groove(Protocol):
-    """A groove law: its cam's radius [m], the range of angles where the law holds [rad], its values."""
-
-    @property
-    def radius(self) -> float: ...
-    @property
-    def range(self) -> tuple[float, float]: ...
-    def at(self, psi: ArrayLike) -> Point:
-        """The law at an angle `psi` [rad]; beyond its range, its value at that end."""
-        ...
-
-    def parameters(self) -> dict[str, float | int]:
-        """The FMU's parameters after `cam1.` or `cam2.`, the file of a table apart."""
-        ...
-
-
-def curvature(groove: Groove, psi: ArrayLike) -> Array:
-    """Curvature (g''/r^2)/(1 + (g'/r)^2)^(3/2) [1/m] of the unwrapped path of the pin's centre, + where the
-    groove steepens.
-
-    `groove`: the groove law z = g(psi) on a cam of radius r. `psi`: angle of the pin along the groove [rad].
-
-    Examples
-    --------
-    >>> from dualcam.design import Helix, curvature
-    >>> float(curvature(Helix(radius=0.02, lead_angle=0.7854), 0.3))  # a helix unwraps to a straight line
-    0.0
-    """
-    point, r = groove.at(psi), groove.radius
-    return point.d2z_dpsi2 / r**2 / (1.0 + (point.slope / r) ** 2) ** 1.5
-
-
-def _check(what: str, value: float, good: bool, allowed: str) -> None:
-    if not good:
-        raise DesignError(f"{what} = {value}: allowed is {allowed}")
-
-
-def _check_radius(radius: float) -> None:
-    _check("radius", radius, 0.0 < radius < math.inf, "a finite number > 0 in m")
-
-
-def _check_lead_angle(value: float) -> None:
-    hint = unit_warning("cam1.lead_angle", value, "lead_angle") or ""
-    likely = f"; {hint.partition(': ')[2]}" if hint else ""
-    _check("lead_angle", value, 0.0 <= value < 0.5 * math.pi, f"[0, pi/2) in rad{likely}")
-
-
-@dataclass(frozen=True)
-class Helix:
-    """A groove of constant lead angle: z = r tan(lambda) psi.
-
-    `radius` r of the cam [m], > 0. `lead_angle`: lead angle lambda [rad], from 0 to less than pi/2.
-    DesignError: a value outside its range. Source: docs/mechanism.md, section 2.
-
-    Examples
-    --------
-    >>> import math
-    >>> from dualcam.design import Helix
-    >>> groove = Helix(radius=0.02, lead_angle=math.radians(45))
-    >>> round(float(groove.at(0.5).z), 6)  # m, at psi = 0.5 rad
-    0.01
-    """
-
-    radius: float
-    lead_angle: float
-
-    def __post_init__(self) -> None:
-        _check_radius(self.radius)
-        _check_lead_angle(self.lead_angle)
-        warn_units({"radius": ("cam1.radius", self.radius)})
-
-    @property
-    def range(self) -> tuple[float, float]:
-        return -math.inf, math.inf
-
-    def at(self, psi: ArrayLike) -> Point:
-        """The law at `psi` [rad], as `Groove.at`."""
-        angle = real_array(psi, "psi", DesignError)
-        gain = self.radius * math.tan(self.lead_angle)
-        return Point(gain * angle, np.full(angle.shape, gain), np.zeros(angle.shape))
-
-    def parameters(self) -> dict[str, float | int]:
-        """The FMU\'s parameters, as `Groove.parameters`."""
-        return {"profile": 1, "radius": self.radius, "lead_angle": self.lead_angle}
-
-
-def ellipse_law(
-    psi: NDArray[Any], radius: Numbers, start: Numbers, a: Numbers, b: Numbers, bending: int
-) -> Point:
-    """The groove that unwraps to an arc of an ellipse, from S = `start` at psi = 0 on, for arrays that
-    broadcast, also complex ones. `bending` is +1 where the groove steepens."""
-    rate = bending * radius / a
-    u = rate * psi
-    S, C0 = start + u, np.sqrt(1.0 - start**2)
-    rise = u * (start + S)  # C0^2 - C^2
-    C = np.sqrt(C0**2 - rise)
-    gain = radius * b / a
-    return Point(bending * b * rise / (C0 + C), gain * S / C, gain * rate / C**3)
-
-
-@dataclass(frozen=True)
-class Ellipse:
-    """A groove that unwraps to an arc of an ellipse.
-
-    Source: docs/mechanism.md, section 2.
-
-    Parameters
-    ----------
-    radius : Radius of the cam [m], > 0.
-    lead_angle : Lead angle at psi = 0 [rad], from 0 to less than pi/2.
-    a, b : Semi-axes along the circumference and along z [m], > 0.
-    bending : +1: the groove steepens, 1 or -1. -1: the groove flattens. The FMU's `ellipse_curvature`.
-
-    Raises
-    ------
-    DesignError : A value outside its range.
-
-    Examples
-    --------
-    >>> from dualcam.design import Ellipse
-    >>> groove = Ellipse(radius=0.02, lead_angle=0.6, a=0.05, b=0.05)
-    >>> low, high = groove.range  # rad, where the law holds
-    >>> low < 0.0 < 1.0 < high
-    True
-    """
-
-    radius: float
-    lead_angle: float
-    a: float
-    b: float
-    bending: int = -1
-
-    def __post_init__(self) -> None:
-        _check_radius(self.radius)
-        _check_lead_angle(self.lead_angle)
-        _check("a", self.a, 0.0 < self.a < math.inf, "a finite number > 0 in m")
-        _check("b", self.b, 0.0 < self.b < math.inf, "a finite number > 0 in m")
-        _check("bending", self.bending, self.bending in (-1, 1), "+1 (steepens) or -1 (flattens)")
-        starts = self._start <= 1.0 - VERTICAL
-        _check("lead_angle", self.lead_angle, starts, "less: this elliptical groove would start vertical")
-        lengths = {"radius": "cam1.radius", "a": "cam1.ellipse_a", "b": "cam1.ellipse_b"}
-        warn_units({name: (rule, getattr(self, name)) for name, rule in lengths.items()})
-
-    @property
-    def _start(self) -> float:
-        return math.sin(math.atan(self.a / self.b * math.tan(self.lead_angle)))
-
-    @property
-    def range(self) -> tuple[float, float]:
-        ends = [(S - self._start) * self.a / self.radius * self.bending for S in (0.0, 1.0 - VERTICAL)]
-        return min(ends), max(ends)
-
-    def at(self, psi: ArrayLike) -> Point:
-        """The law at `psi` [rad], as `Groove.at`."""
-        angle = np.clip(real_array(psi, "psi", DesignError), *self.range)
-        return ellipse_law(angle, self.radius, self._start, self.a, self.b, self.bending)
-
-    def parameters(self) -> dict[str, float | int]:
-        """The FMU\'s parameters, as `Groove.parameters`."""
-        return {
-            "profile": 2,
-            "radius": self.radius,
-            "lead_angle": self.lead_angle,
-            "ellipse_a": self.a,
-            "ellipse_b": self.b,
-            "ellipse_curvature": self.bending,
-        }
 
 
 @dataclass(frozen=True, eq=False)
@@ -218,7 +35,7 @@ class Table:
     notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        _check_radius(self.radius)
+        check_radius(self.radius)
         psi, z = real_array(self.psi, "psi", DesignError), real_array(self.z, "z", DesignError)
         if psi.ndim != 1 or psi.shape != z.shape or len(psi) < 4:
             raise DesignError(f"samples of shapes {psi.shape} and {z.shape}: allowed are (n,) twice, n >= 4")
@@ -348,8 +165,7 @@ class Table:
         return point._replace(z=point.z - self._origin)
 
     def parameters(self) -> dict[str, float | int]:
-        """The FMU\'s parameters, as `Groove.parameters`."""
-        return {"profile": 3, "radius": self.radius}
+        return {"profile": TABLE.number, "radius": self.radius}
 
 
 def _end_sum(width: Array, slope: Array, second: Array) -> Array:
@@ -376,8 +192,3 @@ def _sample_derivatives(psi: Array, z: Array) -> tuple[Array, Array]:
         slope += difference[k] * first
         second += 2.0 * difference[k] * half_second
     return slope, second
-
-
-def both_parameters(grooves: Sequence[Groove]) -> dict[str, float | int]:
-    """Parameters of both cams under their full names."""
-    return {f"cam{i}.{name}": v for i, g in enumerate(grooves, 1) for name, v in g.parameters().items()}
