@@ -222,7 +222,7 @@ def test_a_jump_that_comes_later(make_model):
 
 @pytest.mark.parametrize("values", [{}, ELLIPSES])
 def test_of_quadratic_damping_alone(make_model, values):
-    """The speed is a root of the torque, whose derivative has a pole where the motion begins: 0, as written."""
+    """The speed is a root of the torque; its derivative has a pole where the motion begins: 0, as written."""
     fmu = make_model(FORWARD).start(LOW | ROOT | values)
     fmu.set({"tau": 1.0})
     fmu.set_rates(tau=50.0)

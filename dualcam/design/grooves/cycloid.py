@@ -18,24 +18,15 @@ from dualcam.design.grooves.groove import ClosedForm, Numbers, Point, check, che
 class Cycloid(ClosedForm):
     """A cycloidal groove: z = H (psi/B - sin(2 pi psi/B)/(2 pi)) for 0 <= psi <= B, level at both ends.
 
+    The second derivative is 0 at both ends. So a dwell beside the groove causes no step of the acceleration.
+    The groove is steepest in the middle, dz/dpsi = 2 H/B. DesignError: a value outside its range. Source:
+    docs/mechanism.md, section 2.
+
     Parameters
     ----------
-    radius : float
-        Radius of the cam [m], > 0.
-    rise : float
-        Height H of the whole groove [m], > 0. The FMU's `cycloid_rise`.
-    angle : float
-        Angle B over which the groove rises [rad], > 0. The FMU's `cycloid_angle`.
-
-    Raises
-    ------
-    DesignError
-        A value outside its range.
-
-    Notes
-    -----
-    The second derivative is 0 at both ends. So a dwell beside the groove causes no step of the acceleration.
-    The groove is steepest in the middle, dz/dpsi = 2 H/B. Source: docs/mechanism.md, section 2.
+    radius : Radius of the cam [m], > 0.
+    rise : Height H of the whole groove [m], > 0. The FMU's `cycloid_rise`.
+    angle : Angle B over which the groove rises [rad], > 0. The FMU's `cycloid_angle`.
 
     Examples
     --------

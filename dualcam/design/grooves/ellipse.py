@@ -27,25 +27,14 @@ VERTICAL = 1e-10  # of S: an elliptical groove ends that much before it is verti
 class Ellipse(ClosedForm):
     """A groove that unwraps to an arc of an ellipse.
 
+    DesignError: a value outside its range. Source: docs/mechanism.md, section 2.
+
     Parameters
     ----------
-    radius : float
-        Radius of the cam [m], > 0.
-    lead_angle : float
-        Lead angle at psi = 0 [rad], from 0 to less than pi/2.
-    a, b : float
-        Semi-axes along the circumference and along z [m], > 0.
-    bending : {1, -1}
-        +1: the groove steepens. -1: the groove flattens. The FMU's `ellipse_curvature`.
-
-    Raises
-    ------
-    DesignError
-        A value outside its range.
-
-    Notes
-    -----
-    Source: docs/mechanism.md, section 2.
+    radius : Radius of the cam [m], > 0.
+    lead_angle : Lead angle at psi = 0 [rad], from 0 to less than pi/2.
+    a, b : Semi-axes along the circumference and along z [m], > 0.
+    bending : +1: the groove steepens. -1: the groove flattens. The FMU's `ellipse_curvature`.
 
     Examples
     --------

@@ -20,21 +20,11 @@ Numbers = Any  # a number or an array, also of complex numbers
 
 
 class Point(NamedTuple):
-    """A groove law at one angle or at many.
+    """A groove law at one angle or at many."""
 
-    Attributes
-    ----------
-    z : ndarray
-        Height [m], of the shape of psi.
-    slope : ndarray
-        dz/dpsi [m/rad].
-    d2z_dpsi2 : ndarray
-        Second derivative [m/rad2].
-    """
-
-    z: Array
-    slope: Array
-    d2z_dpsi2: Array
+    z: Array  # height [m], of the shape of psi
+    slope: Array  # dz/dpsi [m/rad]
+    d2z_dpsi2: Array  # second derivative [m/rad2]
 
 
 class Groove(Protocol):
@@ -45,7 +35,7 @@ class Groove(Protocol):
     @property
     def range(self) -> tuple[float, float]: ...
     def at(self, psi: ArrayLike) -> Point:
-        """The law at psi; beyond its range, its value at that end."""
+        """The law at an angle `psi` [rad]; beyond its range, its value at that end."""
         ...
 
     def parameters(self) -> dict[str, float | int]:
@@ -54,19 +44,10 @@ class Groove(Protocol):
 
 
 def curvature(groove: Groove, psi: ArrayLike) -> Array:
-    """Curvature of the unwrapped path of the pin's centre: (g''/r^2)/(1 + (g'/r)^2)^(3/2).
+    """Curvature (g''/r^2)/(1 + (g'/r)^2)^(3/2) [1/m] of the unwrapped path of the pin's centre, + where the
+    groove steepens.
 
-    Parameters
-    ----------
-    groove : Groove
-        The groove law z = g(psi) on a cam of radius r.
-    psi : array_like
-        Angle of the pin along the groove [rad].
-
-    Returns
-    -------
-    ndarray
-        Curvature [1/m], + where the groove steepens, of the shape of `psi`.
+    `groove`: the groove law z = g(psi) on a cam of radius r. `psi`: angle of the pin along the groove [rad].
 
     Examples
     --------
@@ -89,15 +70,15 @@ class ClosedForm(ABC):
     @staticmethod
     @abstractmethod
     def ends(radius: Numbers, *shape: Numbers) -> tuple[Numbers, Numbers]:
-        """Where the law holds [rad], of the values of the fields, also of arrays."""
+        """Where the law holds [rad], by `radius` [m] and the other fields, `shape`; also of arrays."""
 
     @staticmethod
     @abstractmethod
     def formula(psi: NDArray[Any], radius: Numbers, *shape: Numbers) -> Point:
-        """The law between its ends, for arrays that broadcast, also of complex numbers."""
+        """The law at `psi` [rad] between its ends, by `radius` [m] and `shape`; also of arrays."""
 
     def steepness(self, lead_angle: float) -> float:
-        """The value of `law.steepness` for a lead angle [rad]: that at psi = 0, where the law has one."""
+        """The value of `law.steepness` for a `lead_angle` [rad]: that at psi = 0, where the law has one."""
         return lead_angle
 
     @cached_property
@@ -111,7 +92,7 @@ class ClosedForm(ABC):
         return float(low), float(high)
 
     def at(self, psi: ArrayLike) -> Point:
-        """The law at psi [rad]; beyond its range, its value at that end."""
+        """The law at `psi` [rad]; beyond its range, its value at that end."""
         low, high = self.range
         inside = np.minimum(np.maximum(real_array(psi, "psi", DesignError), low), high)
         return self.formula(inside, *self._values)

@@ -18,21 +18,12 @@ from dualcam.design.grooves.groove import ClosedForm, Numbers, Point, check_lead
 class Helix(ClosedForm):
     """A groove of constant lead angle: z = r tan(lambda) psi.
 
+    DesignError: a value outside its range. Source: docs/mechanism.md, section 2.
+
     Parameters
     ----------
-    radius : float
-        Radius r of the cam [m], > 0.
-    lead_angle : float
-        Lead angle lambda [rad], from 0 to less than pi/2.
-
-    Raises
-    ------
-    DesignError
-        A value outside its range.
-
-    Notes
-    -----
-    Source: docs/mechanism.md, section 2.
+    radius : Radius r of the cam [m], > 0.
+    lead_angle : Lead angle lambda [rad], from 0 to less than pi/2.
 
     Examples
     --------

@@ -165,6 +165,7 @@ class Table:
         return point._replace(z=point.z - self._origin)
 
     def parameters(self) -> dict[str, float | int]:
+        """The FMU's parameters, as `Groove.parameters`."""
         return {"profile": TABLE.number, "radius": self.radius}
 
 
