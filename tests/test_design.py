@@ -13,7 +13,6 @@ from scipy.optimize import brentq, minimize
 
 from dualcam import ContinuousFmu, Fmu
 from dualcam.design import (
-    DesignError,
     Ellipse,
     Helix,
     Limits,
@@ -30,6 +29,7 @@ from dualcam.design import (
     optimum,
     synthesize,
 )
+from dualcam.errors import DesignError
 
 matplotlib.use("Agg")
 FORWARD, INVERSE = (model.fmu for model in models.values())

@@ -25,7 +25,7 @@ MODULES = tuple(
 WHOLE = (
     *("dualcam.design.statics", "dualcam.design.mechanism", "dualcam.design.torque"),
     *("dualcam.design.hertz", "dualcam.design.roller", "dualcam.design.helical_spring"),
-    *("dualcam.design.spring_steel", "dualcam.design.spring_search", "dualcam.design.wear"),
+    *("dualcam.design.spring_steel", "dualcam.design.spring_search", "dualcam.design.groove_wear"),
     *SYSTEMS,
     *("dualcam.gym.task", "dualcam.gym.batch", "dualcam.gym.environment", "dualcam.gym.vector"),
     *("dualcam.mujoco.cam_joint", "dualcam.mujoco.simulation", "dualcam.mujoco.ur3e_elbow"),

@@ -10,7 +10,8 @@ from driver import ROOT, models
 from pythonfmu.builder import FmuBuilder
 
 import dualcam
-from dualcam import Fleet, FleetError, Fmu, FmuError, UnknownVariableError
+from dualcam import Fleet, Fmu
+from dualcam.errors import FleetError, FmuError, UnknownVariableError
 
 FORWARD, INVERSE = (model.fmu for model in models.values())
 LIGHT = {"inertia.shaft": 0.01}

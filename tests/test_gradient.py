@@ -6,8 +6,8 @@ import math
 import numpy as np
 import pytest
 
-from dualcam import Fleet, FmuError, UnknownVariableError
-from dualcam.errors import DualcamError
+from dualcam import Fleet
+from dualcam.errors import DualcamError, FmuError, UnknownVariableError
 from dualcam.gradient import DifferentiableFleet, jax_rollout, torch_rollout
 
 COUNT, STEPS, H = 6, 1000, 2e-3

@@ -9,11 +9,10 @@ import control
 from dualcam.control.forward import CamAtState
 from dualcam.control.harmonic_balance import candidates
 from dualcam.control.limit_cycles import LimitCycles, check_in_loop, unchecked
-from dualcam.control.linear import OperatingPointError
 from dualcam.control.play_operator import PlayOperator
 from dualcam.control.sampled_loop import SampledController, check_duration
 from dualcam.control.swing import ImposedSwing
-from dualcam.errors import LimitCycleWarning
+from dualcam.errors import LimitCycleWarning, OperatingPointError
 
 DURATION = 200.0  # s, of a run of the loop
 

@@ -11,7 +11,7 @@ from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 
 from dualcam.control.forward import Source, open_forward
-from dualcam.control.linear import OperatingPointError
+from dualcam.errors import OperatingPointError
 from dualcam.fmi.fmu import Fmu, RepeatedStart
 from dualcam.fmi.model_description import Scalar
 from dualcam.fmi.reals import Array

@@ -8,7 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from dualcam.control.forward import CamAtState
-from dualcam.control.linear import ITERATIONS, OperatingPointError
+from dualcam.control.linear import ITERATIONS
+from dualcam.errors import OperatingPointError
 from dualcam.fmi.reals import Array
 
 FEW_NODES, MANY_NODES = 12, 48  # per half swing: for a search, and for a result

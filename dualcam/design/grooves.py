@@ -21,8 +21,8 @@ from dualcam.common.paths import write_text
 from dualcam.common.tables import GROOVE_HEADER, fmu_text
 from dualcam.common.unit_guards import table_warnings, unit_warning, units_checked_before, warn_units
 from dualcam.design.groove_files import read_groove
-from dualcam.design.statics import Array, DesignError
-from dualcam.errors import UnitWarning
+from dualcam.design.statics import Array
+from dualcam.errors import DesignError, UnitWarning
 
 VERTICAL = 1e-10  # of S: an elliptical groove ends that much before it is vertical, as in the FMU
 STENCIL = 5  # samples that a table's slope at a sample comes from

@@ -136,7 +136,7 @@ class RepeatedStart:
 
     Examples
     --------
-    >>> from dualcam import Fmu, RepeatedStart
+    >>> from dualcam.fmi import Fmu, RepeatedStart
     >>> with Fmu("forward") as fmu:
     ...     runs = RepeatedStart(fmu, {"inertia.shaft": 0.01}, ["tau"])
     ...     for torque in (2.0, 5.0):  # N.m

@@ -14,9 +14,9 @@ from mechanisms import INERTIA, LIFT, PRELOAD, RHO, STIFFNESS
 from numpy.polynomial.legendre import leggauss
 from scipy.integrate import quad
 
-from dualcam import CamHysteresis, Fmu, RepeatedStart
-from dualcam.control.linear import OperatingPointError
-from dualcam.errors import LimitCycleWarning
+from dualcam import CamHysteresis, Fmu
+from dualcam.errors import LimitCycleWarning, OperatingPointError
+from dualcam.fmi import RepeatedStart
 
 MIDDLE = 0.7  # rad
 HELD = 0.5 * (RHO[1] + RHO[-1]) * (PRELOAD + STIFFNESS * LIFT * MIDDLE)  # N.m, middle of the band
