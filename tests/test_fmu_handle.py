@@ -291,13 +291,13 @@ def test_messages_are_the_fmus_own_words(fmu):
 
 
 WRONG_CALLS = {
-    "step of text": (lambda fmu: fmu.step("a"), "step size = 'a'"),
-    "step of nothing": (lambda fmu: fmu.step(None), "step size = None"),
-    "step of several": (lambda fmu: fmu.step(np.array([1e-3, 1e-3])), "step size = array"),
-    "step of no number": (lambda fmu: fmu.step(math.nan), "step size = nan"),
-    "endless step": (lambda fmu: fmu.step(math.inf), "step size = inf"),
-    "negative step": (lambda fmu: fmu.step(-1.0), "step size = -1.0: allowed is a finite number > 0"),
-    "no step": (lambda fmu: fmu.step(0), "step size = 0: "),
+    "step of text": (lambda fmu: fmu.step("a"), "step = 'a'"),
+    "step of nothing": (lambda fmu: fmu.step(None), "step = None"),
+    "step of several": (lambda fmu: fmu.step(np.array([1e-3, 1e-3])), "step = array"),
+    "step of no number": (lambda fmu: fmu.step(math.nan), "step = nan"),
+    "endless step": (lambda fmu: fmu.step(math.inf), "step = inf"),
+    "negative step": (lambda fmu: fmu.step(-1.0), "step = -1.0: allowed is a finite number > 0"),
+    "no step": (lambda fmu: fmu.step(0), "step = 0: "),
     "time as text": (lambda fmu: setattr(fmu, "time", "0"), "time = '0'"),
     "time of nan": (lambda fmu: setattr(fmu, "time", math.nan), "time = nan"),
     "start of a list": (lambda fmu: fmu.start([1]), r"start\(\[1\]\)"),

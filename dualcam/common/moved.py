@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 import sys
-from typing import TYPE_CHECKING
+from functools import wraps
+from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
+
+from dualcam.errors import DualcamError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
     from importlib.machinery import ModuleSpec
     from types import ModuleType
+
+P = ParamSpec("P")
+R = TypeVar("R")
 
 _ROOMS = {  # new place -> names of the modules that kept their names
     "common": "archive arrays html_page module_calls paths process_bound svg unit_guards version",
@@ -80,6 +86,23 @@ def old_names(module: str, now: dict[str, str]) -> Callable[[str], object]:
         return moved_name(module, name, now[name], stacklevel=2)
 
     return __getattr__
+
+
+def also_called(**now: str) -> Callable[[Callable[P, R]], Callable[P, R]]:
+    """The function takes an argument by another keyword, too. `now`: other keyword = the argument's name."""
+
+    def decorated(function: Callable[P, R]) -> Callable[P, R]:
+        @wraps(function)
+        def call(*arguments: Any, **named: Any) -> R:  # noqa: ANN401
+            for other in now.keys() & named.keys() if named else ():
+                if now[other] in named:
+                    raise DualcamError(f"{now[other]} and {other} mean the same: allowed is one of them")
+                named[now[other]] = named.pop(other)
+            return function(*arguments, **named)
+
+        return call
+
+    return decorated
 
 
 class _OldPaths:

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import numpy as np
 
-from dualcam.common.moved import old_names
+from dualcam.common.moved import also_called, old_names
 from dualcam.design.statics import Array
 from dualcam.fmi.fmu import Fmu, Scalar
 from dualcam.systems.blocks.current_loop import CurrentLoop, MotorPeriod
@@ -143,14 +143,14 @@ class CamGear(NamedTuple):
         return self.offset + theta / self.ratio
 
 
-def angle_amid(angle: Number, speed: Number, size: float) -> Number:
+def angle_amid(angle: Number, speed: Number, step: float) -> Number:
     """The angle at half of a step, at which a load acts that is held over the step.
 
     Parameters
     ----------
     angle, speed : float or ndarray
         State at the beginning of the step [rad, rad/s].
-    size : float
+    step : float
         Length of the step [s].
 
     Returns
@@ -164,7 +164,7 @@ def angle_amid(angle: Number, speed: Number, size: float) -> Number:
     >>> angle_amid(0.5, 2.0, 0.25)
     0.75
     """
-    return angle + 0.5 * size * speed
+    return angle + 0.5 * step * speed
 
 
 class CamAxis:
@@ -223,7 +223,8 @@ class CamAxis:
         self.fmu.start({**parameters, **state})
         self._read_state()
 
-    def step(self, torque: float, load: Load, size: float) -> float:
+    @also_called(size="step")
+    def step(self, torque: float, load: Load, step: float) -> float:
         """Advance by a step under the motor's torque and the load.
 
         Both torques are held over the step, the load's at the angle that the axis reaches at half of the
@@ -235,7 +236,7 @@ class CamAxis:
             Torque of the motor on the axis [N.m].
         load : Load
             The load on the axis.
-        size : float
+        step : float
             Length of the step [s].
 
         Returns
@@ -248,9 +249,9 @@ class CamAxis:
         FmuError
             The FMU refuses the step.
         """
-        load_torque = load.torque(angle_amid(self.angle, self.speed, size))
+        load_torque = load.torque(angle_amid(self.angle, self.speed, step))
         self.set_torque(torque + load_torque)
-        self.advance(size)
+        self.advance(step)
         return load_torque
 
     def set_torque(self, torque: float) -> None:
@@ -274,12 +275,13 @@ class CamAxis:
         """
         return self._alpha.read()[0] / self.gear.ratio
 
-    def advance(self, size: float, derivatives: tuple[float, ...] = ()) -> None:
+    @also_called(size="step")
+    def advance(self, step: float, derivatives: tuple[float, ...] = ()) -> None:
         """Advance by a step. The torque is held, or a polynomial of time.
 
         Parameters
         ----------
-        size : float
+        step : float
             Length of the step [s].
         derivatives : tuple of float
             First, second and third time derivative of the torque at the beginning of the step [N.m/s, N.m/s2,
@@ -292,7 +294,7 @@ class CamAxis:
         """
         for order, derivative in enumerate(derivatives, start=1):
             self._tau.write_derivatives(order, [self.gear.cam_torque(derivative)])
-        self.fmu.step(size)
+        self.fmu.step(step)
         self._read_state()
 
     def ledger(self) -> Array:

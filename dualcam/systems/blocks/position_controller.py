@@ -15,6 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dualcam.common.moved import also_called
 from dualcam.systems.blocks.gravity import GravityLoad
 from dualcam.systems.blocks.helical_cam import HelicalCam, holding_torque
 
@@ -37,6 +38,7 @@ class Gains(NamedTuple):
     integral: float
 
 
+@also_called(dt="period")
 def lqi_gains(bandwidth: float, period: float) -> Gains:
     """Gains for a double integrator theta'' = u, sampled.
 
@@ -122,6 +124,7 @@ class PositionController:
         Period of the controller [s].
     """
 
+    @also_called(dt="period")
     def __init__(
         self,
         inertia: float,

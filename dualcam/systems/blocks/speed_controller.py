@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Protocol
 
+from dualcam.common.moved import also_called
 from dualcam.systems.blocks.gravity import GravityLoad
 from dualcam.systems.blocks.helical_cam import holding_torque
 
@@ -69,6 +70,7 @@ class SpeedController:
         Period of the controller [s].
     """
 
+    @also_called(dt="period")
     def __init__(
         self,
         inertia: float,
