@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise
@@ -10,7 +11,7 @@ from itertools import pairwise
 import control
 import numpy as np
 
-from dualcam.control.forward import LOWER_STOP, STICK, UPPER_STOP, Source, open_forward
+from dualcam.control.forward import LOWER_STOP, STICK, UPPER_STOP, Names, Source, open_forward
 from dualcam.errors import FmuError
 from dualcam.fmi.fmu import Fmu, RepeatedStart
 from dualcam.fmi.model_description import Scalar
@@ -22,33 +23,28 @@ EQUAL = 0.005  # relative: cycles whose amplitudes and periods differ by less
 REST = 1e-5  # of the room between the stops: a swing below is rest
 FEW, MANY = 2, 40  # unequal cycles in the latest part of the record: enough at its end, enough to end it
 PERSISTENT = 1.3  # most range of the last two parts over that of the last one, of unequal cycles that stay
+GROWN = 1.05  # last cycle over the first one of a swing that grows
 LATE = 0.4  # of the record, its end: the part that says where the loop settles
 BLOCK = 4096  # samples of the controller at rest, computed at once
 MOST_SAMPLES = 4e6  # of one run: a minute, and 600 MB of record
 MOST_TORQUE = 1e12  # N.m: only a controller that is unstable gets there
+# The inputs that a controller may have, as shares of the error (theta less the angle) and of the speed.
+SIGNALS = {"error": (1.0, 0.0), "theta": (-1.0, 0.0), "omega": (0.0, 1.0), "reference": (0.0, 0.0)}
+CONSTANT = re.compile(r"[xu]d\[\d+\]")  # references of control.create_statefbk_iosystem
 ENDLESS = 1e150  # states of a controller at rest are cut off here, far from the end of the doubles
 
 
 class SampledController:
-    """A controller from the error of the angle [rad] to the torque [N.m], which is held over a period.
+    """A linear controller of the angle, whose torque [N.m] is held over a period: x after = A x + B y,
+    torque = C x + D y, with y the error of the angle [rad] and the speed [rad/s]."""
 
-    Parameters
-    ----------
-    law : control.StateSpace or control.TransferFunction
-        With one input, one output and a sampling time.
-
-    Raises
-    ------
-    FmuError
-        No controller, a continuous one, one with several signals, or one with coefficients that are not
-        finite.
-    """
-
-    def __init__(self, law: control.lti.LTI) -> None:
+    def __init__(self, law: control.lti.LTI, inputs: Names = None) -> None:
         if not isinstance(law, control.StateSpace | control.TransferFunction):
             raise FmuError(
                 f"controller = {law!r}: allowed is a control.StateSpace or control.TransferFunction with a"
-                " sampling time, such as control.ss([], [], [], 50.0, 1e-3) for the gain 50 N.m/rad each 1 ms"
+                " sampling time and without the cam, such as control.ss([], [], [], 50.0, 1e-3) for the gain"
+                " 50 N.m/rad each 1 ms; control.linearize(controller, states, inputs) makes one of a nonlinear"
+                " controller"
             )
         period = getattr(law, "dt", None)
         if isinstance(period, bool) or not isinstance(period, (int, float)) or not period > 0.0:
@@ -56,14 +52,15 @@ class SampledController:
                 f"controller with dt = {period!r}: allowed is a sampled controller, since the torque is held"
                 " over its period [s]; control.sample_system(controller, 1e-3) makes one of a continuous one"
             )
-        if (law.ninputs, law.noutputs) != (1, 1):
+        if law.noutputs != 1:
             raise FmuError(
-                f"controller with {law.ninputs} inputs and {law.noutputs} outputs: allowed is one input, the"
-                " error of the angle [rad], and one output, the torque [N.m]"
+                f"controller with {law.noutputs} outputs: allowed is one, the torque [N.m]; controller[k, :]"
+                " has the output k alone"
             )
+        signals = np.array([SIGNALS[name] for name in _signals(law, inputs)])
         system = _state_space(law)
         self.period = float(period)
-        self.A, self.B, self.C, self.D = system.A, system.B[:, 0], system.C[0], float(system.D[0, 0])
+        self.A, self.B, self.C, self.D = system.A, system.B @ signals, system.C[0], system.D[0] @ signals
         self._of_state, self._of_error = self._constant_error()
 
     def _constant_error(self) -> tuple[Array, Array]:
@@ -72,7 +69,7 @@ class SampledController:
         of_state, of_error = [np.eye(self.states)], [np.zeros(self.states)]
         for _ in range(BLOCK):
             of_state.append(np.clip(self.A @ of_state[-1], -ENDLESS, ENDLESS))
-            of_error.append(np.clip(self.A @ of_error[-1] + self.B, -ENDLESS, ENDLESS))
+            of_error.append(np.clip(self.A @ of_error[-1] + self.B[:, 0], -ENDLESS, ENDLESS))
         return np.array(of_state), np.array(of_error)
 
     @property
@@ -97,23 +94,40 @@ class SampledController:
     @property
     def states(self) -> int:
         """Number of states."""
-        return len(self.B)
+        return len(self.A)
 
     def state_phasor(self, frequency: float) -> Array:
         """States over the error, at an angular frequency [rad/s]; complex, shape (states,)."""
         z = np.exp(1j * frequency * self.period)
-        return np.linalg.solve(z * np.eye(self.states) - self.A, self.B.astype(complex))
+        return np.linalg.solve(z * np.eye(self.states) - self.A, self.B @ [1.0, -1j * frequency])
 
     def response(self, frequency: float) -> complex:
         """First harmonic of the held torque over the error [N.m/rad]."""
         held = 1j * frequency * self.period
-        return complex((self.C @ self.state_phasor(frequency) + self.D) * -np.expm1(-held) / held)
+        direct = self.D @ [1.0, -1j * frequency]
+        return complex((self.C @ self.state_phasor(frequency) + direct) * -np.expm1(-held) / held)
+
+
+def _signals(law: control.lti.LTI, inputs: Names) -> list[str]:
+    """The signal at each input of the controller. FmuError for what is none, or if the angle is none."""
+    labels = law.input_labels if inputs is None else [inputs] if isinstance(inputs, str) else list(inputs)
+    found = ["reference" if CONSTANT.fullmatch(str(label)) else label for label in labels]
+    if inputs is None and len(found) == 1 and found[0] not in SIGNALS:
+        return ["error"]
+    if len(found) != law.ninputs or not set(found) <= SIGNALS.keys() or not {"error", "theta"} & set(found):
+        raise FmuError(
+            f"controller with {law.ninputs} inputs, named {', '.join(map(str, labels))}: allowed are error"
+            " (theta less the angle) [rad], theta (the angle) [rad], omega [rad/s], and reference for each"
+            " input that stays constant; error or theta must be one. Name them in the controller's order,"
+            ' such as inputs=["reference", "theta"]'
+        )
+    return found
 
 
 def _state_space(law: control.lti.LTI) -> control.StateSpace:
     """The controller with states. FmuError if there is none, or none with finite coefficients."""
     if isinstance(law, control.TransferFunction):
-        numbers = [law.num[0][0], law.den[0][0]]
+        numbers = [part for row in (*law.num, *law.den) for part in row]
     else:
         numbers = [law.A, law.B, law.C, law.D]
     if not all(np.isfinite(part).all() for part in numbers):
@@ -121,10 +135,10 @@ def _state_space(law: control.lti.LTI) -> control.StateSpace:
         raise FmuError(f"controller with the coefficients {listed}: allowed are finite numbers")
     try:
         return control.ss(law)
-    except ValueError as error:
+    except (ValueError, NotImplementedError) as error:
         raise FmuError(
             f"controller that python-control cannot write with states: {error}; allowed is a numerator whose"
-            " degree is not above that of the denominator"
+            " degree is not above that of the denominator, and with several inputs a control.StateSpace"
         ) from error
 
 
@@ -155,8 +169,9 @@ class LoopMotion:
     ----------
     kind : str
         "rest"; "stop" where the torque presses the cam on a stop; "cycle"; "irregular" where the cam goes on
-        to move in unequal cycles; "diverges" where the controller's torque passes 1e12 N.m, or a state
-        1e308; or "undecided" where the swing still decays or the motion is too slow for the duration.
+        to move in unequal cycles; "grows" where the last cycles still grow; "diverges" where the controller's
+        torque passes 1e12 N.m, or a state 1e308; or "undecided" where the swing still decays or the motion is
+        too slow for the duration.
     amplitude : float
         Half the range of the angle [rad], 0 at rest.
     torque : float
@@ -218,12 +233,12 @@ class SampledLoop:
         while samples < last:
             for _ in range(CHUNK):
                 theta, omega = self._motion.read()
-                error = self.theta - theta
-                torque = bias + float(law.C @ x) + law.D * error
+                measured = np.array([self.theta - theta, omega])
+                torque = bias + float(law.C @ x + law.D @ measured)
                 record.add(samples * law.period, theta, torque)
                 if not abs(torque) <= MOST_TORQUE:  # NaN where a state has left the doubles
                     return record.late("diverges")
-                x = law.A @ x + law.B * error
+                x = law.A @ x + law.B @ measured
                 self._tau.values[:] = torque
                 self._tau.write()
                 self.fmu.step(law.period)
@@ -243,7 +258,7 @@ class SampledLoop:
         error = self.theta - theta
         while samples < last:
             states = law.ahead(x, error)
-            torques = bias + states @ law.C + law.D * error
+            torques = bias + states @ law.C + law.D[0] * error
             out = np.flatnonzero(~((torques > release) & (torques < load)))
             passed = int(out[0]) if out.size else BLOCK
             samples, x = samples + passed, states[passed]
@@ -270,7 +285,7 @@ class _Record:
         if len(self._rows) < self._next:
             return False
         self._next = math.ceil(1.2 * len(self._rows))
-        return self.cycle() is not None or self.irregular(MANY) is not None
+        return self.cycle() is not None or (self.irregular(MANY) is not None and not self.grows())
 
     def rests(self, reference: float) -> bool:
         """Whether the latest samples are at the reference, but for what counts as rest."""
@@ -310,7 +325,7 @@ class _Record:
             return self._still("stop")
         if self._quiet() and not (integrates and self._torque_changes()):
             return self._still("rest")
-        return self.irregular(FEW) or self.late("undecided")
+        return self.late("grows") if self.grows() else self.irregular(FEW) or self.late("undecided")
 
     def _quiet(self) -> bool:
         return bool(np.ptp(self._late(LATE)[1]) <= self._least)
@@ -328,6 +343,16 @@ class _Record:
         _, theta, torque = self._late(LATE)
         low, high = float(theta.min()), float(theta.max())
         return LoopMotion(kind, 0.5 * (high - low), 0.5 * float(np.ptp(torque)), math.nan, low, high)
+
+    def grows(self) -> bool:
+        """Whether cycle by cycle the swing becomes larger, but for the samples beside its turning points."""
+        _, theta, _ = self._late(2.0 * LATE)
+        low, high = float(theta.min()), float(theta.max())
+        ups = _rises(theta, 0.5 * (low + high), 0.25 * (high - low))
+        ranges = np.array([np.ptp(theta[a : b + 1]) for a, b in pairwise(ups)])
+        if len(ranges) <= FEW or high - low <= self._least:
+            return False
+        return bool(ranges[-1] > GROWN * ranges[0] and (ranges[1:] > (2.0 - GROWN) * ranges[:-1]).all())
 
     def irregular(self, least: int) -> LoopMotion | None:
         """Unequal cycles that do not decay, at least so many of them."""
