@@ -43,8 +43,8 @@ class SampledController:
             raise FmuError(
                 f"controller = {law!r}: allowed is a control.StateSpace or control.TransferFunction with a"
                 " sampling time and without the cam, such as control.ss([], [], [], 50.0, 1e-3) for the gain"
-                " 50 N.m/rad each 1 ms; control.linearize(controller, states, inputs) makes one of a nonlinear"
-                " controller"
+                " 50 N.m/rad each 1 ms; control.linearize(controller, states, inputs) makes one of a"
+                " nonlinear controller"
             )
         period = getattr(law, "dt", None)
         if isinstance(period, bool) or not isinstance(period, (int, float)) or not period > 0.0:
