@@ -35,7 +35,7 @@ from dualcam.common.moved import find_moved_modules
 
 if TYPE_CHECKING:
     from dualcam import (
-        control,
+        control,  # noqa: F401  not in __all__
         coupling,
         design,
         design_file,
@@ -43,7 +43,7 @@ if TYPE_CHECKING:
         fleet,
         fmi,
         gradient,
-        gym,  # noqa: F401  not in __all__
+        gym,  # noqa: F401
         identification,
         mujoco,  # noqa: F401
         plots,
@@ -82,7 +82,7 @@ _NAMES = {  # names of this package by the module that has them
     "view": "write_view",
 }
 _MODULE_OF = {name: module for module, names in _NAMES.items() for name in names.split()}
-_EXTRAS = ("gym", "mujoco")  # rooms that need the extra of their name, and so are not in __all__
+_NAMED_AS_PACKAGES = ("control", "gym", "mujoco")  # rooms that are not in __all__, so that * hides no package
 _INNER = ("checking", "export", "report", "simulation", "view")  # whose names are those of this package
 
 __all__ = [
@@ -97,7 +97,6 @@ __all__ = [
     "Verdict",
     "__version__",
     "check_design",
-    "control",
     "coupling",
     "design",
     "design_file",
@@ -134,7 +133,7 @@ if not TYPE_CHECKING:  # type checkers see the imports above, and report other n
         if name in _MODULE_OF:
             value = globals()[name] = getattr(import_module(f"dualcam.{_MODULE_OF[name]}"), name)
             return value
-        if name in (*__all__, *_EXTRAS, *_INNER):
+        if name in (*__all__, *_NAMED_AS_PACKAGES, *_INNER):
             return import_module(f"dualcam.{name}")
         if name in moved.MOVED:
             return moved.moved_module(name, stacklevel=2)
@@ -147,4 +146,4 @@ if not TYPE_CHECKING:  # type checkers see the imports above, and report other n
         raise AttributeError(f"module 'dualcam' has no attribute {name!r}: {hint}")
 
     def __dir__() -> list[str]:
-        return sorted([*__all__, *_EXTRAS])
+        return sorted([*__all__, *_NAMED_AS_PACKAGES])

@@ -679,12 +679,12 @@ def test_subpackages_need_no_further_import():
     assert printed(code) == ["optimum", "Plan", "dualcam.systems"]
 
 
-NEED_EXTRA = {"gym", "mujoco"}  # modules that `from dualcam import *` leaves out
+NAMED_AS_PACKAGES = {"control", "gym", "mujoco"}  # modules that `from dualcam import *` leaves out
 
 
 def test_the_modules_that_help_announces_are_attributes():
     announced = re.findall(r"^    dualcam\.(\w+) ", dualcam.__doc__, re.MULTILINE)
-    assert {"design", "gradient", *NEED_EXTRA} <= set(announced)
+    assert {"design", "gradient", *NAMED_AS_PACKAGES} <= set(announced)
     for name in announced:
         code = f"import dualcam\ntry: print(dualcam.{name}.__name__)\nexcept ImportError as why: print(why)"
         found = " ".join(printed(code))
@@ -693,7 +693,7 @@ def test_the_modules_that_help_announces_are_attributes():
 
 def test_public_names():
     """`dir` lists them, and no module that is no room for users; type checkers see each one."""
-    assert set(dir(dualcam)) == {*dualcam.__all__, *NEED_EXTRA} and len(dir(dualcam)) <= 36
+    assert set(dir(dualcam)) == {*dualcam.__all__, *NAMED_AS_PACKAGES} and len(dir(dualcam)) <= 36
     assert {"Fleet", "__version__", "errors", "fmu_path"} <= set(dualcam.__all__)
     with pytest.raises(AttributeError, match="did you mean to_nonlinear_io_system"):
         dualcam.nlsys  # noqa: B018
@@ -702,7 +702,7 @@ def test_public_names():
     imported = {
         alias.name for node in checked.body if isinstance(node, ast.ImportFrom) for alias in node.names
     }
-    assert imported | {"__version__"} == {*dualcam.__all__, *NEED_EXTRA}
+    assert imported | {"__version__"} == {*dualcam.__all__, *NAMED_AS_PACKAGES}
     assert (Path(dualcam.__file__).parent / "py.typed").is_file()
 
 

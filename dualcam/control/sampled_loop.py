@@ -23,7 +23,7 @@ EQUAL = 0.005  # relative: cycles whose amplitudes and periods differ by less
 REST = 1e-5  # of the room between the stops: a swing below is rest
 FEW, MANY = 2, 40  # unequal cycles in the latest part of the record: enough at its end, enough to end it
 PERSISTENT = 1.3  # most range of the last two parts over that of the last one, of unequal cycles that stay
-GROWN = 1.05  # last cycle over the first one of a swing that grows
+GROWN, FADED = 1.002, 0.5  # least growth of a swing that grows; last growth over the first one
 LATE = 0.4  # of the record, its end: the part that says where the loop settles
 BLOCK = 4096  # samples of the controller at rest, computed at once
 MOST_SAMPLES = 4e6  # of one run: a minute, and 600 MB of record
@@ -299,20 +299,27 @@ class _Record:
         return time[late], theta[late], torque[late]
 
     def cycle(self) -> LoopMotion | None:
-        """The limit cycle, if the latest cycles are equal."""
+        """The limit cycle, if the latest cycles are equal and do not grow."""
         time, theta, torque = self._late(0.5)
-        low, high = float(theta.min()), float(theta.max())
-        if high - low <= self._least:
+        ups = _rises(theta)[-CYCLES - 1 :]
+        if np.ptp(theta) <= self._least or len(ups) <= CYCLES or self.grows():
             return None
-        ups = _rises(theta, 0.5 * (low + high), 0.25 * (high - low))[-CYCLES - 1 :]
-        if len(ups) <= CYCLES:
-            return None
-        ranges = np.array([np.ptp(theta[a : b + 1]) for a, b in pairwise(ups)])
-        periods = np.diff(time[ups])
+        ranges, periods = _ranges(theta, ups), np.diff(time[ups])
         resolution = 2.0 * (time[1] - time[0])  # of a period, a sample at each end
         if np.ptp(ranges) > EQUAL * ranges.max() or np.ptp(periods) > EQUAL * periods.max() + resolution:
             return None
         return _settled("cycle", ups, time, theta, torque)
+
+    def grows(self) -> bool:
+        """Whether the swing is larger in each quarter of the latest cycles, and the growth does not fade."""
+        theta = self._late(0.5)[1]
+        quarters = np.array_split(_ranges(theta, _rises(theta)), 4)
+        if np.ptp(theta) <= self._least or not all(map(len, quarters)):
+            return False
+        mean = np.array([np.mean(quarter) for quarter in quarters])
+        rise, scatter = np.diff(mean), max(map(np.ptp, quarters))
+        steady = rise.min() > 0.0 and rise[-1] > FADED * rise[0]
+        return bool(steady and mean[3] - mean[0] > max(scatter, (GROWN - 1.0) * mean[0]))
 
     def settled(self, reference: float, pressed: bool, integrates: bool) -> LoopMotion:
         """The limit cycle, rest, a stop on which the cam is pressed, or none of them. At rest a torque that
@@ -344,23 +351,13 @@ class _Record:
         low, high = float(theta.min()), float(theta.max())
         return LoopMotion(kind, 0.5 * (high - low), 0.5 * float(np.ptp(torque)), math.nan, low, high)
 
-    def grows(self) -> bool:
-        """Whether cycle by cycle the swing becomes larger, but for the samples beside its turning points."""
-        _, theta, _ = self._late(2.0 * LATE)
-        low, high = float(theta.min()), float(theta.max())
-        ups = _rises(theta, 0.5 * (low + high), 0.25 * (high - low))
-        ranges = np.array([np.ptp(theta[a : b + 1]) for a, b in pairwise(ups)])
-        if len(ranges) <= FEW or high - low <= self._least:
-            return False
-        return bool(ranges[-1] > GROWN * ranges[0] and (ranges[1:] > (2.0 - GROWN) * ranges[:-1]).all())
-
     def irregular(self, least: int) -> LoopMotion | None:
         """Unequal cycles that do not decay, at least so many of them."""
         time, theta, torque = self._late(LATE)
-        low, high = float(theta.min()), float(theta.max())
-        if high - low <= self._least or np.ptp(self._late(2.0 * LATE)[1]) > PERSISTENT * (high - low):
+        swing = np.ptp(theta)
+        if swing <= self._least or np.ptp(self._late(2.0 * LATE)[1]) > PERSISTENT * swing:
             return None
-        ups = _rises(theta, 0.5 * (low + high), 0.25 * (high - low))
+        ups = _rises(theta)
         return _settled("irregular", ups, time, theta, torque) if len(ups) > least else None
 
 
@@ -372,10 +369,17 @@ def _settled(kind: str, ups: list[int], time: Array, theta: Array, torque: Array
     return LoopMotion(kind, 0.5 * (high - low), 0.5 * float(np.ptp(torque[whole])), frequency, low, high)
 
 
-def _rises(theta: Array, level: float, margin: float) -> list[int]:
-    """Samples at which the angle rises through a level, after it has been below by the margin."""
+def _ranges(theta: Array, ups: list[int]) -> Array:
+    """The range of the angle in each cycle, from rise to rise."""
+    return np.array([np.ptp(theta[a : b + 1]) for a, b in pairwise(ups)])
+
+
+def _rises(theta: Array) -> list[int]:
+    """Samples at which the angle rises through the middle of its range, after it has been below by a quarter
+    of the range."""
+    margin = 0.25 * np.ptp(theta)
     found, armed = [], False
-    for k, value in enumerate(theta - level):
+    for k, value in enumerate(theta - 0.5 * (theta.min() + theta.max())):
         if value < -margin:
             armed = True
         elif armed and value >= 0.0:
