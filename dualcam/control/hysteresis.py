@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import warnings
 
-import control
-
 from dualcam.control.forward import CamAtState, Names
 from dualcam.control.harmonic_balance import candidates
 from dualcam.control.limit_cycles import LimitCycles, check_in_loop, unchecked
 from dualcam.control.play_operator import PlayOperator
-from dualcam.control.sampled_loop import SampledController, check_duration
+from dualcam.control.sampled_loop import Law, SampledController, check_duration
 from dualcam.control.swing import ImposedSwing
 from dualcam.errors import LimitCycleWarning, OperatingPointError
 
@@ -117,7 +115,7 @@ class CamHysteresis(PlayOperator):
 
     def limit_cycles(
         self,
-        controller: control.lti.LTI,
+        controller: Law,
         check: bool = True,
         duration: float = DURATION,
         *,
@@ -127,7 +125,7 @@ class CamHysteresis(PlayOperator):
 
         Parameters
         ----------
-        controller : control.StateSpace or control.TransferFunction
+        controller : control.StateSpace, control.TransferFunction or linear control.NonlinearIOSystem
             With a sampling time. Its one output is the torque [N.m], which is held over the period. An input
             is "error", `theta` less the angle [rad], "theta", the angle [rad], "omega" [rad/s], or
             "reference", which stays constant. Whatever else makes the torque of rest counts as a bias.

@@ -7,6 +7,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import TypeAlias
 
 import control
 import numpy as np
@@ -33,18 +34,18 @@ SIGNALS = {"error": (1.0, 0.0), "theta": (-1.0, 0.0), "omega": (0.0, 1.0), "refe
 CONSTANT = re.compile(r"[xu]d\[\d+\]")  # references of control.create_statefbk_iosystem
 ENDLESS = 1e150  # states of a controller at rest are cut off here, far from the end of the doubles
 
+Law: TypeAlias = control.NonlinearIOSystem | control.TransferFunction  # a StateSpace is a NonlinearIOSystem
+
 
 class SampledController:
     """A linear controller of the angle, whose torque [N.m] is held over a period: x after = A x + B y,
     torque = C x + D y, with y the error of the angle [rad] and the speed [rad/s]."""
 
-    def __init__(self, law: control.lti.LTI, inputs: Names = None) -> None:
-        if not isinstance(law, control.StateSpace | control.TransferFunction):
+    def __init__(self, law: Law, inputs: Names = None) -> None:
+        if not isinstance(law, Law):
             raise FmuError(
                 f"controller = {law!r}: allowed is a control.StateSpace or control.TransferFunction with a"
-                " sampling time and without the cam, such as control.ss([], [], [], 50.0, 1e-3) for the gain"
-                " 50 N.m/rad each 1 ms; control.linearize(controller, states, inputs) makes one of a"
-                " nonlinear controller"
+                " sampling time, such as control.ss([], [], [], 50.0, 1e-3) for the gain 50 N.m/rad each 1 ms"
             )
         period = getattr(law, "dt", None)
         if isinstance(period, bool) or not isinstance(period, (int, float)) or not period > 0.0:
@@ -54,8 +55,8 @@ class SampledController:
             )
         if law.noutputs != 1:
             raise FmuError(
-                f"controller with {law.noutputs} outputs: allowed is one, the torque [N.m]; controller[k, :]"
-                " has the output k alone"
+                f"controller with {law.noutputs} outputs: allowed is a controller without the cam, with one"
+                " output, the torque [N.m]"
             )
         signals = np.array([SIGNALS[name] for name in _signals(law, inputs)])
         system = _state_space(law)
@@ -108,7 +109,7 @@ class SampledController:
         return complex((self.C @ self.state_phasor(frequency) + direct) * -np.expm1(-held) / held)
 
 
-def _signals(law: control.lti.LTI, inputs: Names) -> list[str]:
+def _signals(law: Law, inputs: Names) -> list[str]:
     """The signal at each input of the controller. FmuError for what is none, or if the angle is none."""
     labels = law.input_labels if inputs is None else [inputs] if isinstance(inputs, str) else list(inputs)
     found = ["reference" if CONSTANT.fullmatch(str(label)) else label for label in labels]
@@ -124,8 +125,10 @@ def _signals(law: control.lti.LTI, inputs: Names) -> list[str]:
     return found
 
 
-def _state_space(law: control.lti.LTI) -> control.StateSpace:
+def _state_space(law: Law) -> control.StateSpace:
     """The controller with states. FmuError if there is none, or none with finite coefficients."""
+    if not isinstance(law, control.StateSpace | control.TransferFunction):
+        law = _linear_part(law)
     if isinstance(law, control.TransferFunction):
         numbers = [part for row in (*law.num, *law.den) for part in row]
     else:
@@ -133,23 +136,42 @@ def _state_space(law: control.lti.LTI) -> control.StateSpace:
     if not all(np.isfinite(part).all() for part in numbers):
         listed = ", ".join(str(np.asarray(part).tolist()) for part in numbers)
         raise FmuError(f"controller with the coefficients {listed}: allowed are finite numbers")
+    if isinstance(law, control.StateSpace):
+        return law
     try:
-        return control.ss(law)
-    except (ValueError, NotImplementedError) as error:
+        parts = control.append(*(control.ss(law[0, column]) for column in range(law.ninputs)))
+    except ValueError as error:
         raise FmuError(
             f"controller that python-control cannot write with states: {error}; allowed is a numerator whose"
-            " degree is not above that of the denominator, and with several inputs a control.StateSpace"
+            " degree is not above that of the denominator"
         ) from error
+    total = np.ones((1, law.ninputs))
+    return control.ss(parts.A, parts.B, total @ parts.C, total @ parts.D, law.dt)
+
+
+def _linear_part(law: control.NonlinearIOSystem) -> control.StateSpace:
+    """A controller by functions, without its constants. FmuError unless it is linear in states and inputs."""
+    size = law.nstates + law.ninputs
+
+    def value(at: Array) -> Array:
+        x, u = np.split(at, [law.nstates])
+        return np.concatenate([np.ravel(law.dynamics(0.0, x, u)), np.ravel(law.output(0.0, x, u))])
+
+    constant = value(np.zeros(size))
+    matrix = np.array([value(unit) - constant for unit in np.eye(size)]).T
+    for at in np.random.default_rng(0).normal(size=(4, size)) * [[1e-3], [1.0], [1e3], [1e6]]:
+        linear = matrix @ at
+        if not np.allclose(value(at) - constant, linear, rtol=1e-6, atol=1e-6 * np.abs(linear).max()):
+            raise FmuError(
+                f"controller = {law!r} is not linear in its states and inputs: allowed is a linear controller"
+                " without the cam; control.linearize(controller, states, inputs) makes one"
+            )
+    (A, B), (C, D) = (np.hsplit(rows, [law.nstates]) for rows in np.vsplit(matrix, [law.nstates]))
+    return control.ss(A, B, C, D, law.dt)
 
 
 def check_duration(duration: float, period: float) -> None:
-    """Refuse a duration [s] of the loop's runs that is no time, or too many samples of the period [s].
-
-    Raises
-    ------
-    FmuError
-        With the numbers, and what works.
-    """
+    """FmuError for a duration [s] of runs that is no time, or too many samples of the period [s]."""
     if isinstance(duration, bool) or not isinstance(duration, (int, float)) or not 0.0 < duration < math.inf:
         raise FmuError(f"duration = {duration!r} s: allowed is a finite number > 0")
     if duration > MOST_SAMPLES * period:
@@ -191,19 +213,7 @@ class LoopMotion:
 
 
 class SampledLoop:
-    """The forward FMU with a controller on its angle. The loop has no reference but `theta`.
-
-    Parameters
-    ----------
-    source : str, Path, Fmu or ContinuousFmu
-        The forward FMU.
-    parameters : mapping of str to float, int, bool or str
-        Start values of the FMU.
-    controller : SampledController
-        The controller.
-    theta : float
-        Reference [rad].
-    """
+    """The forward FMU with a controller on its angle. The loop has no reference but `theta` [rad]."""
 
     def __init__(
         self,

@@ -38,6 +38,11 @@ def analysed(controller, parameters=None, **options):
     return found
 
 
+def values(found):
+    """Of the predicted cycles."""
+    return np.array([(one.amplitude, one.frequency, one.torque, one.stable) for one in found.predicted])
+
+
 # ---- the reference ----
 
 
@@ -204,11 +209,28 @@ def test_names_of_the_inputs():
         direct = {"error": 50.0, "reference": 50.0, "theta": -50.0}
         D = np.array([[direct[name] for name in names]])
         law = control.ss(1.0, D / 25.0, 1.0, D, PERIOD)
-        assert analysed(law, check=False, inputs=names).predicted == pytest.approx(expected.predicted)
+        assert values(analysed(law, check=False, inputs=names)) == pytest.approx(values(expected), rel=1e-6)
     two.update_names(inputs=["xd[0]", "theta"])
-    assert analysed(two, check=False).predicted == pytest.approx(expected.predicted)
+    assert values(analysed(two, check=False)) == pytest.approx(values(expected), rel=1e-6)
+    parts = [[(sign * control.tf(one)).num[0][0] for sign in (1.0, -1.0)]], [[[1.0, -1.0]] * 2]
+    fractions = control.tf(*parts, PERIOD, inputs=["reference", "theta"])
+    assert values(analysed(fractions, check=False)) == pytest.approx(values(expected), rel=1e-6)
     one.update_names(inputs="e")
     assert analysed(one, check=False) == expected == analysed(-one, check=False, inputs="theta")
+
+
+def test_a_controller_by_functions():
+    """Its constants are part of the bias."""
+    law = control.nlsys(
+        lambda t, x, u, params: x + PERIOD * (u[0] - u[1]),
+        lambda t, x, u, params: 3.0 + 2000.0 * x + 50.0 * (u[0] - u[1]) - 0.02 * u[2],
+        states=1,
+        inputs=["reference", "theta", "omega"],
+        outputs="tau",
+        dt=PERIOD,
+    )
+    expected = analysed(lqi_controller(50.0, 0.02, 2000.0), check=False)
+    assert values(analysed(law, check=False)) == pytest.approx(values(expected), rel=1e-6)
 
 
 def test_state_feedback_with_an_integral_of_python_control():
@@ -223,7 +245,7 @@ def test_state_feedback_with_an_integral_of_python_control():
     assert lqi.input_labels == ["xd[0]", "xd[1]", "ud[0]", *STATES]
     assert analysed(lqi) == LimitCycles((), (), True, ())
     expected = analysed(lqi_controller(50.0, 0.02, 2000.0), check=False)
-    assert analysed(law, check=False).predicted == pytest.approx(expected.predicted)
+    assert values(analysed(law, check=False)) == pytest.approx(values(expected), rel=1e-6)
 
 
 def test_controllers_that_have_other_signals_are_refused():
@@ -234,15 +256,16 @@ def test_controllers_that_have_other_signals_are_refused():
     for count, names in ((2, ["theta"]), (1, "omega"), (1, "reference"), (2, ["theta", "speed"]), (3, None)):
         with refused(f"{count} inputs, named", "allowed are"):
             hysteresis.limit_cycles(gains[count], inputs=names)
-    with refused("2 outputs", "one, the torque"):
+    with refused("2 outputs", "without the cam", "one output, the torque"):
         hysteresis.limit_cycles(control.ss([], [], [], np.ones((2, 1)), PERIOD))
-    two = control.tf([[[1.0], [1.0]]], [[[1.0, 2.0], [1.0, 3.0]]], PERIOD)
-    with refused("cannot write with states", "several inputs a control.StateSpace"):
-        hysteresis.limit_cycles(two, inputs=["reference", "theta"])
+    improper = control.tf([[[1.0], [1.0, 1.0, 0.0]]], [[[1.0, 2.0], [1.0, 3.0]]], PERIOD)
+    with refused("cannot write with states", "degree"):
+        hysteresis.limit_cycles(improper, inputs=["reference", "theta"])
     with refused("finite numbers"):
         hysteresis.limit_cycles(math.nan * gains[2], inputs=["reference", "theta"])
-    with refused("NonlinearIOSystem", "control.linearize"):
-        hysteresis.limit_cycles(control.nlsys(None, lambda t, x, u, p: u[0] ** 2, inputs=2, outputs=1))
+    nonlinear = control.nlsys(None, lambda t, x, u, p: np.clip(u[:1], -1, 1), inputs=1, outputs=1, dt=PERIOD)
+    with refused("NonlinearIOSystem", "not linear", "control.linearize"):
+        hysteresis.limit_cycles(nonlinear)
 
 
 def test_an_unstable_controller_of_two_signals_is_said_to_be_one():
