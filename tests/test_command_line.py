@@ -18,7 +18,7 @@ from lxml import etree
 
 from dualcam import Fmu, export_ssp, fmu_path, read_design
 from dualcam.cli import main
-from dualcam.cli.main import COMMANDS
+from dualcam.cli.commands import COMMANDS
 from dualcam.cli.new import TEMPLATES
 from dualcam.cli.output import say_where_it_runs
 from dualcam.errors import DesignError

@@ -9,7 +9,7 @@ import pytest
 
 import dualcam
 from dualcam import Fmu
-from dualcam.cli.main import COMMANDS
+from dualcam.cli.commands import COMMANDS
 from dualcam.design_file import as_design, read_design, write_template
 from dualcam.errors import DesignError, DesignFileError, DualcamError, DualcamWarning
 from dualcam.study import History, Scenario

@@ -111,13 +111,13 @@ class SampledController:
 
 def _signals(law: Law, inputs: Names) -> list[str]:
     """The signal at each input of the controller. FmuError for what is none, or if the angle is none."""
-    labels = law.input_labels if inputs is None else [inputs] if isinstance(inputs, str) else list(inputs)
-    found = ["reference" if CONSTANT.fullmatch(str(label)) else label for label in labels]
+    labels = law.input_labels if inputs is None else map(str, np.ravel(np.array(inputs, dtype=object)))
+    found = ["reference" if CONSTANT.fullmatch(label) else label for label in labels]
     if inputs is None and len(found) == 1 and found[0] not in SIGNALS:
         return ["error"]
     if len(found) != law.ninputs or not set(found) <= SIGNALS.keys() or not {"error", "theta"} & set(found):
         raise FmuError(
-            f"controller with {law.ninputs} inputs, named {', '.join(map(str, labels))}: allowed are error"
+            f"controller with {law.ninputs} inputs, named {', '.join(found)}: allowed are error"
             " (theta less the angle) [rad], theta (the angle) [rad], omega [rad/s], and reference for each"
             " input that stays constant; error or theta must be one. Name them in the controller's order,"
             ' such as inputs=["reference", "theta"]'
@@ -216,11 +216,7 @@ class SampledLoop:
     """The forward FMU with a controller on its angle. The loop has no reference but `theta` [rad]."""
 
     def __init__(
-        self,
-        source: Source,
-        parameters: Mapping[str, Scalar],
-        controller: SampledController,
-        theta: float,
+        self, source: Source, parameters: Mapping[str, Scalar], controller: SampledController, theta: float
     ) -> None:
         self.fmu, values = open_forward(Fmu, source, parameters)
         self._runs = RepeatedStart(self.fmu, values, ["initial.theta", "initial.omega", "tau"])

@@ -17,18 +17,10 @@ LAST_STEP = 1e-9  # of the torque, and of 1e-6 N.m: Newton's method has ended
 
 
 class Harmonics(NamedTuple):
-    """Of the torque over the amplitude of the angle, at theta = mean + A sin(phase).
+    """Of the torque over the amplitude A of the angle, at theta = middle + A sin(phase)."""
 
-    Attributes
-    ----------
-    mean : float
-        Mean torque [N.m].
-    first, second, third : complex
-        [N.m/rad]. `first` times A is the phasor of the torque beside the angle's A.
-    """
-
-    mean: float
-    first: complex
+    mean: float  # N.m
+    first: complex  # N.m/rad: times A it is the phasor of the torque beside the angle's A
     second: complex
     third: complex
 

@@ -253,7 +253,14 @@ def test_controllers_that_have_other_signals_are_refused():
     gains = {n: control.ss([], [], [], np.ones((1, n)), PERIOD) for n in (1, 2, 3)}
     with refused("2 inputs, named u.0., u.1.", "error", "theta", "omega", 'inputs=."reference", "theta".'):
         hysteresis.limit_cycles(gains[2])
-    for count, names in ((2, ["theta"]), (1, "omega"), (1, "reference"), (2, ["theta", "speed"]), (3, None)):
+    for count, names in (
+        (2, ["theta"]),
+        (1, "omega"),
+        (1, "reference"),
+        (2, ["theta", "speed"]),
+        (3, None),
+        (1, 3),
+    ):
         with refused(f"{count} inputs, named", "allowed are"):
             hysteresis.limit_cycles(gains[count], inputs=names)
     with refused("2 outputs", "without the cam", "one output, the torque"):
