@@ -19,6 +19,10 @@
     dualcam.gym                 elbow, knee and car door as environments of gymnasium
     dualcam.mujoco              the cam on joints of a MuJoCo model
 
+    dualcam.control             operating points and limit cycles, as linearize and CamHysteresis give them
+    dualcam.fmi                 arrays of variables, repeated starts, model descriptions
+    dualcam.errors              all errors and warnings
+
 All errors are DualcamErrors, which are ValueErrors. Every name is loaded at its first use: `import dualcam`
 alone loads no other package.
 """
@@ -31,58 +35,29 @@ from dualcam.common.moved import find_moved_modules
 
 if TYPE_CHECKING:
     from dualcam import (
-        checking,
+        control,  # noqa: F401  not in __all__
         coupling,
         design,
         design_file,
-        export,
+        errors,
+        fleet,
+        fmi,
         gradient,
-        gym,  # noqa: F401  not in __all__
+        gym,  # noqa: F401
         identification,
         mujoco,  # noqa: F401
         plots,
-        report,
-        simulation,
         ssp,
         study,
         systems,
-        view,
     )
     from dualcam.checking import Verdict, check_design
-    from dualcam.common.mistakes import StudyError
-    from dualcam.control.bridge import to_nonlinear_io_system
-    from dualcam.control.harmonic_balance import LimitCycle
-    from dualcam.control.hysteresis import CamHysteresis
-    from dualcam.control.limit_cycles import LimitCycles
-    from dualcam.control.linear import OperatingPoint, OperatingPointError, linearize
-    from dualcam.control.sampled_loop import LoopMotion
+    from dualcam.control import CamHysteresis, linearize, to_nonlinear_io_system
     from dualcam.coupling import PlantCoupling
-    from dualcam.design_file import DesignFile, DesignFileError, read_design
-    from dualcam.errors import (
-        CouplingError,
-        DesignError,
-        DualcamError,
-        DualcamWarning,
-        ExportError,
-        FileError,
-        FleetError,
-        FmuError,
-        IdentificationError,
-        LimitCycleWarning,
-        MujocoError,
-        TaskError,
-        UnitWarning,
-        UnknownVariableError,
-        UnstableCouplingWarning,
-    )
+    from dualcam.design_file import DesignFile, read_design
     from dualcam.export import export_fmu
-    from dualcam.fleet import Fleet, FleetState
-    from dualcam.fmi.continuous_fmu import ContinuousFmu
-    from dualcam.fmi.fmu import Fmu, RepeatedStart
-    from dualcam.fmi.handle import FmuState
-    from dualcam.fmi.library import fmu_path
-    from dualcam.fmi.model_description import ModelDescription, Variable, read_model_description
-    from dualcam.fmi.reals import Reals
+    from dualcam.fleet import Fleet
+    from dualcam.fmi import ContinuousFmu, Fmu, fmu_path
     from dualcam.identification import Identification, identify
     from dualcam.report import write_report
     from dualcam.simulation import Trajectory, simulate
@@ -91,53 +66,45 @@ if TYPE_CHECKING:
 
     __version__: str
 
+_NAMES = {  # names of this package by the module that has them
+    "checking": "Verdict check_design",
+    "common.version": "__version__",
+    "control": "CamHysteresis linearize to_nonlinear_io_system",
+    "coupling": "PlantCoupling",
+    "design_file": "DesignFile read_design",
+    "export": "export_fmu",
+    "fleet": "Fleet",
+    "fmi": "ContinuousFmu Fmu fmu_path",
+    "identification": "Identification identify",
+    "report": "write_report",
+    "simulation": "Trajectory simulate",
+    "ssp": "export_ssp",
+    "view": "write_view",
+}
+_MODULE_OF = {name: module for module, names in _NAMES.items() for name in names.split()}
+_NAMED_AS_PACKAGES = ("control", "gym", "mujoco")  # rooms that are not in __all__, so that * hides no package
+_INNER = ("checking", "export", "report", "simulation", "view")  # whose names are those of this package
+
 __all__ = [
     "CamHysteresis",
     "ContinuousFmu",
-    "CouplingError",
-    "DesignError",
     "DesignFile",
-    "DesignFileError",
-    "DualcamError",
-    "DualcamWarning",
-    "ExportError",
-    "FileError",
     "Fleet",
-    "FleetError",
-    "FleetState",
     "Fmu",
-    "FmuError",
-    "FmuState",
     "Identification",
-    "IdentificationError",
-    "LimitCycle",
-    "LimitCycleWarning",
-    "LimitCycles",
-    "LoopMotion",
-    "ModelDescription",
-    "MujocoError",
-    "OperatingPoint",
-    "OperatingPointError",
     "PlantCoupling",
-    "Reals",
-    "RepeatedStart",
-    "StudyError",
-    "TaskError",
     "Trajectory",
-    "UnitWarning",
-    "UnknownVariableError",
-    "UnstableCouplingWarning",
-    "Variable",
     "Verdict",
     "__version__",
     "check_design",
-    "checking",
     "coupling",
     "design",
     "design_file",
-    "export",
+    "errors",
     "export_fmu",
     "export_ssp",
+    "fleet",
+    "fmi",
     "fmu_path",
     "gradient",
     "identification",
@@ -145,89 +112,14 @@ __all__ = [
     "linearize",
     "plots",
     "read_design",
-    "read_model_description",
-    "report",
     "simulate",
-    "simulation",
     "ssp",
     "study",
     "systems",
     "to_nonlinear_io_system",
-    "view",
     "write_report",
     "write_view",
 ]
-
-_MODULE_OF = {
-    "CamHysteresis": "control.hysteresis",
-    "ContinuousFmu": "fmi.continuous_fmu",
-    "CouplingError": "errors",
-    "DesignError": "errors",
-    "DesignFile": "design_file",
-    "DesignFileError": "design_file",
-    "DualcamError": "errors",
-    "DualcamWarning": "errors",
-    "ExportError": "errors",
-    "FileError": "errors",
-    "Fleet": "fleet",
-    "FleetError": "errors",
-    "FleetState": "fleet",
-    "Fmu": "fmi.fmu",
-    "FmuError": "errors",
-    "FmuState": "fmi.handle",
-    "Identification": "identification",
-    "IdentificationError": "errors",
-    "LimitCycle": "control.harmonic_balance",
-    "LimitCycleWarning": "errors",
-    "LimitCycles": "control.limit_cycles",
-    "LoopMotion": "control.sampled_loop",
-    "ModelDescription": "fmi.model_description",
-    "MujocoError": "errors",
-    "OperatingPoint": "control.linear",
-    "OperatingPointError": "control.linear",
-    "PlantCoupling": "coupling",
-    "Reals": "fmi.reals",
-    "RepeatedStart": "fmi.fmu",
-    "StudyError": "common.mistakes",
-    "TaskError": "errors",
-    "Trajectory": "simulation",
-    "UnitWarning": "errors",
-    "UnknownVariableError": "errors",
-    "UnstableCouplingWarning": "errors",
-    "Variable": "fmi.model_description",
-    "Verdict": "checking",
-    "__version__": "common.version",
-    "check_design": "checking",
-    "export_fmu": "export",
-    "export_ssp": "ssp",
-    "fmu_path": "fmi.library",
-    "identify": "identification",
-    "linearize": "control.linear",
-    "read_design": "design_file",
-    "read_model_description": "fmi.model_description",
-    "simulate": "simulation",
-    "to_nonlinear_io_system": "control.bridge",
-    "write_report": "report",
-    "write_view": "view",
-}
-_MODULES = (
-    "checking",
-    "coupling",
-    "design",
-    "design_file",
-    "export",
-    "gradient",
-    "gym",  # needs the extra of its name, and so is not in __all__
-    "identification",
-    "mujoco",  # as gym
-    "plots",
-    "report",
-    "simulation",
-    "ssp",
-    "study",
-    "systems",
-    "view",
-)
 
 find_moved_modules()
 
@@ -236,20 +128,22 @@ if not TYPE_CHECKING:  # type checkers see the imports above, and report other n
     def __getattr__(name: str) -> object:
         from importlib import import_module
 
-        if name in _MODULES:
+        from dualcam.common import moved
+
+        if name in _MODULE_OF:
+            value = globals()[name] = getattr(import_module(f"dualcam.{_MODULE_OF[name]}"), name)
+            return value
+        if name in (*__all__, *_NAMED_AS_PACKAGES, *_INNER):
             return import_module(f"dualcam.{name}")
-        if name not in _MODULE_OF:
-            from dualcam.common.moved import MOVED, moved_module
+        if name in moved.MOVED:
+            return moved.moved_module(name, stacklevel=2)
+        if name in moved.NEW_PLACES:
+            return moved.moved_name("dualcam", name, moved.NEW_PLACES[name], stacklevel=2)
+        from difflib import get_close_matches
 
-            if name in MOVED:
-                return moved_module(name, stacklevel=2)
-            from difflib import get_close_matches
-
-            near = get_close_matches(name, __all__, n=3)
-            hint = f"did you mean {' or '.join(near)}?" if near else "dir(dualcam) lists the names"
-            raise AttributeError(f"module 'dualcam' has no attribute {name!r}: {hint}")
-        value = globals()[name] = getattr(import_module(f"dualcam.{_MODULE_OF[name]}"), name)
-        return value
+        near = moved.GUESSES.get(name) or " or ".join(get_close_matches(name, __all__, n=3))
+        hint = f"did you mean {near}?" if near else "dir(dualcam) lists the names"
+        raise AttributeError(f"module 'dualcam' has no attribute {name!r}: {hint}")
 
     def __dir__() -> list[str]:
-        return sorted(__all__)
+        return sorted([*__all__, *_NAMED_AS_PACKAGES])

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import errno
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
     from pathlib import Path
 
     import numpy as np
@@ -68,12 +69,55 @@ class UnknownVariableError(FmuError):
     """The FMU has no variable of that name."""
 
 
+class OperatingPointError(FmuError):
+    """There is no linear model at this point; the message says where there is one."""
+
+
+class StudyError(FmuError):
+    """This study cannot be made, or not be continued; the message says what to do.
+
+    Attributes
+    ----------
+    problems : tuple of str
+        All that is wrong, one text each; a single one for most errors.
+    """
+
+    def __init__(self, message: str, problems: Sequence[str] = ()) -> None:
+        super().__init__(message)
+        self.problems = tuple(problems) or (message,)
+
+    def __reduce__(self) -> tuple[type[StudyError], tuple[str, tuple[str, ...]]]:
+        return type(self), (str(self), self.problems)
+
+
 class DesignError(DualcamError):
     """A design that cannot be: the message names the place, the value and what is allowed."""
 
 
+class DesignFileError(DesignError):
+    """A design file is refused. The text lists all errors, line by line; `advice` is its last line.
+
+    Attributes
+    ----------
+    findings : tuple of Finding
+        One for each error, in the order of the lines.
+    """
+
+    def __init__(self, path: object, findings: Sequence[Any], advice: str = "") -> None:
+        self.path = path
+        self.findings = tuple(sorted(findings, key=lambda finding: finding.line or 0))
+        count = len(self.findings)
+        head = f"{path}: {count} error{'s' if count > 1 else ''}"
+        lines = [*map(str, self.findings), *filter(None, [advice])]
+        super().__init__("\n".join([head, *(f"  {line}" for line in lines)]))
+
+
 class ExportError(DualcamError):
     """No FMU can be made from a design: the message names the file or value, and what is allowed."""
+
+
+class TableError(DualcamError):
+    """A table cannot be understood; the message names line, column and what is allowed."""
 
 
 class CouplingError(DualcamError):

@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 from test_groove_cut import LAWS, PIN, SPRING, mechanism
 
-from dualcam.design import CamBody, DesignError, GrooveCut, Helix, Mechanism, export_groove
+from dualcam.design import CamBody, GrooveCut, Helix, Mechanism, export_groove
 from dualcam.design.cut.cam_body import groove_area
+from dualcam.errors import DesignError
 
 pytest.importorskip("OCP.STEPControl", reason='the CAD kernel is not installed: pip install "dualcam[cad]"')
 

@@ -6,24 +6,14 @@ import math
 import numpy as np
 import pytest
 
-from dualcam import Fmu, FmuError
+from dualcam import Fmu
 from dualcam.checking import check_design
 from dualcam.checking.rules import troubles
 from dualcam.checking.search import nearest_working, round_away
 from dualcam.checking.values import with_value
-from dualcam.design import (
-    DesignError,
-    Ellipse,
-    Helix,
-    Limits,
-    Mechanism,
-    Pin,
-    Spring,
-    Table,
-    assess,
-    hertz_pressure,
-)
+from dualcam.design import Ellipse, Helix, Limits, Mechanism, Pin, Spring, Table, assess, hertz_pressure
 from dualcam.design_file import TEMPLATES, read_design, write_template
+from dualcam.errors import DesignError, FmuError
 from dualcam.fmi.library import fmu_path
 from dualcam.fmi.variables import all_parameters
 

@@ -12,7 +12,8 @@ from fmpy.ssp.simulation import simulate_ssp
 from lxml import etree
 from ssp_structures import connections_of
 
-from dualcam import Fmu, FmuError
+from dualcam import Fmu
+from dualcam.errors import FmuError
 from dualcam.systems.blocks.grease import CELSIUS
 from dualcam.systems.machines import clamp
 from system_examples.ssp import clamp as system_module

@@ -16,11 +16,12 @@ from driver import ROOT
 from fmpy.validation import validate_fmu
 from lxml import etree
 
-from dualcam import DesignError, Fmu, export_ssp, fmu_path, read_design
+from dualcam import Fmu, export_ssp, fmu_path, read_design
 from dualcam.cli import main
-from dualcam.cli.main import COMMANDS
+from dualcam.cli.commands import COMMANDS
 from dualcam.cli.new import TEMPLATES
 from dualcam.cli.output import say_where_it_runs
+from dualcam.errors import DesignError
 from dualcam.fmi.platforms import binary_folders
 
 SCHEMAS = Path(fmpy.__file__).parent / "ssp/schema"

@@ -14,7 +14,6 @@ from scipy.optimize import brentq, minimize
 from dualcam import ContinuousFmu, Fmu
 from dualcam.design import (
     Cycloid,
-    DesignError,
     Ellipse,
     Helix,
     Limits,
@@ -31,6 +30,7 @@ from dualcam.design import (
     optimum,
     synthesize,
 )
+from dualcam.errors import DesignError
 
 matplotlib.use("Agg")
 FORWARD, INVERSE = (model.fmu for model in models.values())

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 import dualcam
-from dualcam import DesignError, DesignFileError, DualcamError, DualcamWarning, Fmu
-from dualcam.cli.main import COMMANDS
+from dualcam import Fmu
+from dualcam.cli.commands import COMMANDS
 from dualcam.design_file import as_design, read_design, write_template
+from dualcam.errors import DesignError, DesignFileError, DualcamError, DualcamWarning
 from dualcam.study import History, Scenario
 
 

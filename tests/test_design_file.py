@@ -15,14 +15,8 @@ from hypothesis import strategies as st
 
 from dualcam.common.written_units import quantity
 from dualcam.design import Helix, Mechanism
-from dualcam.design_file import (
-    TEMPLATES,
-    DesignFileError,
-    json_schema,
-    read_design,
-    write_template,
-)
-from dualcam.errors import DesignError, DualcamError
+from dualcam.design_file import TEMPLATES, json_schema, read_design, write_template
+from dualcam.errors import DesignError, DesignFileError, DualcamError
 from dualcam.fmi.variables import all_parameters, inputs_of, parameters_of
 from dualcam.systems.machines import car_door, elbow, knee
 

@@ -7,9 +7,9 @@ import warnings
 import numpy as np
 import pytest
 
-from dualcam.design import DesignError, Helix, Spring, Table, synthesize
+from dualcam.design import Helix, Spring, Table, synthesize
 from dualcam.design.workflow import TorqueCurve, design_groove
-from dualcam.errors import DualcamWarning
+from dualcam.errors import DesignError, DualcamWarning
 
 SPRING = Spring(400.0, 10e3)
 DEGREES = np.linspace(0.0, 70.0, 15)

@@ -14,8 +14,9 @@ from dualcam.checking import check_design
 from dualcam.checking.values import shown_beside, with_value
 from dualcam.cli import main
 from dualcam.design import HelicalSpring, Pin, Roller, line_contact, wear
-from dualcam.design_file import DesignFileError, read_design, write_template
+from dualcam.design_file import read_design, write_template
 from dualcam.design_file.durability import wear_words
+from dualcam.errors import DesignFileError
 from dualcam.report.page import report_page
 
 PIN = '[pin]\nradius = "3 mm"\nwidth = "8 mm"\n'

@@ -24,8 +24,8 @@ from scipy.interpolate import CubicSpline
 from dualcam import Fmu
 from dualcam.common.groove_laws import LAWS
 from dualcam.design_file import DesignFile
-from dualcam.errors import DualcamError, DualcamWarning, FmuError
-from dualcam.export import ExportError, export_fmu, model_identifier
+from dualcam.errors import DualcamError, DualcamWarning, ExportError, FmuError
+from dualcam.export import export_fmu, model_identifier
 from dualcam.fmi.library import fmu_path
 from dualcam.fmi.variables import inputs_of
 from dualcam.scenario.scenario import History, Scenario

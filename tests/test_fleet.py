@@ -10,7 +10,8 @@ from driver import ROOT, models
 from pythonfmu.builder import FmuBuilder
 
 import dualcam
-from dualcam import Fleet, FleetError, Fmu, FmuError, UnknownVariableError
+from dualcam import Fleet, Fmu
+from dualcam.errors import FleetError, FmuError, UnknownVariableError
 
 FORWARD, INVERSE = (model.fmu for model in models.values())
 LIGHT = {"inertia.shaft": 0.01}
@@ -376,9 +377,20 @@ def test_wrong_histories():
         assert fleet.rollout(np.zeros((2, 0, 1)), STEP).shape == (2, 0, 2)
 
 
+def test_both_names_of_the_step():
+    with Fleet(FORWARD, 1) as fleet, Fmu(FORWARD) as fmu:
+        for name in ("step", "h"):
+            fleet.step([[1.0]], **{name: STEP})
+            fleet.rollout([[[1.0]]], **{name: STEP})
+        fmu.start()
+        for name in ("step", "size"):
+            fmu.step(**{name: 2.0 * STEP})
+        assert fleet.times[0] == pytest.approx(fmu.time) == pytest.approx(4.0 * STEP)
+
+
 @pytest.mark.parametrize("h", [0.0, -1.0, math.nan, math.inf, "1", None])
 def test_wrong_steps(h):
-    with Fleet(FORWARD, 1) as fleet, refused("h = ", "finite number > 0"):
+    with Fleet(FORWARD, 1) as fleet, refused("step = ", "finite number > 0"):
         fleet.step([[1.0]], h)
 
 

@@ -3,7 +3,10 @@ called directly (tests/support/driver.py)."""
 
 import ast
 import gc
+import importlib
+import inspect
 import math
+import pkgutil
 import re
 import subprocess
 import sys
@@ -11,6 +14,7 @@ import tomllib
 import zipfile
 from ctypes import c_char_p
 from importlib import metadata, util
+from operator import attrgetter
 from pathlib import Path
 
 import numpy as np
@@ -18,10 +22,11 @@ import pytest
 from driver import ROOT, models
 
 import dualcam
-from dualcam import ContinuousFmu, Fmu, FmuError, RepeatedStart, UnknownVariableError
+from dualcam import ContinuousFmu, Fmu
 from dualcam.common import version
-from dualcam.common.moved import MOVED
-from dualcam.fmi import library
+from dualcam.common.moved import MOVED, NEW_PLACES
+from dualcam.errors import FmuError, UnknownVariableError
+from dualcam.fmi import RepeatedStart, library
 
 FORWARD, INVERSE = (model.fmu for model in models.values())
 THIRD = FORWARD.parent / "fmi3" / FORWARD.name
@@ -286,13 +291,13 @@ def test_messages_are_the_fmus_own_words(fmu):
 
 
 WRONG_CALLS = {
-    "step of text": (lambda fmu: fmu.step("a"), "step size = 'a'"),
-    "step of nothing": (lambda fmu: fmu.step(None), "step size = None"),
-    "step of several": (lambda fmu: fmu.step(np.array([1e-3, 1e-3])), "step size = array"),
-    "step of no number": (lambda fmu: fmu.step(math.nan), "step size = nan"),
-    "endless step": (lambda fmu: fmu.step(math.inf), "step size = inf"),
-    "negative step": (lambda fmu: fmu.step(-1.0), "step size = -1.0: allowed is a finite number > 0"),
-    "no step": (lambda fmu: fmu.step(0), "step size = 0: "),
+    "step of text": (lambda fmu: fmu.step("a"), "step = 'a'"),
+    "step of nothing": (lambda fmu: fmu.step(None), "step = None"),
+    "step of several": (lambda fmu: fmu.step(np.array([1e-3, 1e-3])), "step = array"),
+    "step of no number": (lambda fmu: fmu.step(math.nan), "step = nan"),
+    "endless step": (lambda fmu: fmu.step(math.inf), "step = inf"),
+    "negative step": (lambda fmu: fmu.step(-1.0), "step = -1.0: allowed is a finite number > 0"),
+    "no step": (lambda fmu: fmu.step(0), "step = 0: "),
     "time as text": (lambda fmu: setattr(fmu, "time", "0"), "time = '0'"),
     "time of nan": (lambda fmu: setattr(fmu, "time", math.nan), "time = nan"),
     "start of a list": (lambda fmu: fmu.start([1]), r"start\(\[1\]\)"),
@@ -315,7 +320,7 @@ WRONG_CALLS = {
     "version as list": (lambda fmu: Fmu("forward", fmi=[2]), r"fmi=\[2\]"),
     "version as float": (lambda fmu: Fmu("forward", fmi=2.0), "fmi=2.0"),
     "path of a list": (lambda fmu: dualcam.fmu_path(["forward"]), "kind="),
-    "description of nothing": (lambda fmu: dualcam.read_model_description(None), "FMU None"),
+    "description of nothing": (lambda fmu: dualcam.fmi.read_model_description(None), "FMU None"),
 }
 
 
@@ -674,12 +679,12 @@ def test_subpackages_need_no_further_import():
     assert printed(code) == ["optimum", "Plan", "dualcam.systems"]
 
 
-NEED_EXTRA = {"gym", "mujoco"}  # modules that `from dualcam import *` leaves out
+NAMED_AS_PACKAGES = {"control", "gym", "mujoco"}  # modules that `from dualcam import *` leaves out
 
 
 def test_the_modules_that_help_announces_are_attributes():
     announced = re.findall(r"^    dualcam\.(\w+) ", dualcam.__doc__, re.MULTILINE)
-    assert {"design", "gradient", *NEED_EXTRA} <= set(announced)
+    assert {"design", "gradient", *NAMED_AS_PACKAGES} <= set(announced)
     for name in announced:
         code = f"import dualcam\ntry: print(dualcam.{name}.__name__)\nexcept ImportError as why: print(why)"
         found = " ".join(printed(code))
@@ -687,15 +692,17 @@ def test_the_modules_that_help_announces_are_attributes():
 
 
 def test_public_names():
-    """`dir` lists them; type checkers see each one, in the imports for them."""
-    assert dir(dualcam) == sorted(dualcam.__all__)
-    assert {"DualcamError", "DesignError", "FmuError", "UnitWarning", "fmu_path"} <= set(dualcam.__all__)
+    """`dir` lists them, and no module that is no room for users; type checkers see each one."""
+    assert set(dir(dualcam)) == {*dualcam.__all__, *NAMED_AS_PACKAGES} and len(dir(dualcam)) <= 36
+    assert {"Fleet", "__version__", "errors", "fmu_path"} <= set(dualcam.__all__)
+    with pytest.raises(AttributeError, match="did you mean to_nonlinear_io_system"):
+        dualcam.nlsys  # noqa: B018
     tree = ast.parse(Path(dualcam.__file__).read_text(encoding="utf-8"))
     (checked,) = [node for node in tree.body if isinstance(node, ast.If) and isinstance(node.test, ast.Name)]
     imported = {
         alias.name for node in checked.body if isinstance(node, ast.ImportFrom) for alias in node.names
     }
-    assert imported | {"__version__"} == {*dualcam.__all__, *NEED_EXTRA}
+    assert imported | {"__version__"} == {*dualcam.__all__, *NAMED_AS_PACKAGES}
     assert (Path(dualcam.__file__).parent / "py.typed").is_file()
 
 
@@ -706,7 +713,7 @@ def test_old_paths_and_names_work_for_one_release():
         "with warnings.catch_warnings(record=True) as caught:\n"
         "    warnings.simplefilter('always')\n"
         "    import dualcam.fmu; from dualcam.systems import motor; from dualcam.systems.gait import Walker\n"
-        "    from dualcam.design import Finding\n"
+        "    from dualcam.design import Finding; from dualcam.study import StudyError; dualcam.Reals\n"
         "print(dualcam.fmu.Fmu is dualcam.Fmu, motor.__name__, Finding.__name__)\n"
         "print(*(f'{one.category.__name__}:{one.filename}' for one in caught))"
     )
@@ -714,6 +721,21 @@ def test_old_paths_and_names_work_for_one_release():
     assert set(printed(code)[3:]) == {"DeprecationWarning:<string>"}
     for new in MOVED.values():
         assert util.find_spec(f"dualcam.{new}") is not None
+
+
+@pytest.mark.parametrize("name", NEW_PLACES)
+def test_a_name_that_has_moved_says_where(name):
+    with pytest.warns(DeprecationWarning, match=rf"dualcam\.{name} is now dualcam\.\w+\.{name}\."):
+        old = getattr(dualcam, name)
+    assert old is attrgetter(NEW_PLACES[name])(dualcam) and name not in dir(dualcam)
+
+
+def test_no_function_has_the_name_of_a_module_beside_it():
+    for package in pkgutil.walk_packages(dualcam.__path__, "dualcam."):
+        if package.ispkg:
+            room = importlib.import_module(package.name)
+            twins = {module.name for module in pkgutil.iter_modules(room.__path__)} & {*vars(room)}
+            assert all(inspect.ismodule(getattr(room, name)) for name in twins), package.name
 
 
 def test_version():

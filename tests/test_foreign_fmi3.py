@@ -7,7 +7,8 @@ import build_fmu
 import pytest
 from driver import ROOT
 
-from dualcam import ContinuousFmu, Fmu, FmuError
+from dualcam import ContinuousFmu, Fmu
+from dualcam.errors import FmuError
 from dualcam.fmi.platforms import library_suffix, platform_tuple
 
 DESCRIPTION = """<?xml version="1.0" encoding="UTF-8"?>

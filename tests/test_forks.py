@@ -12,9 +12,9 @@ import pytest
 from study_cases import every_run_once, study
 
 import dualcam
-from dualcam import Fleet, Fmu, FmuError
+from dualcam import Fleet, Fmu
+from dualcam.errors import FmuError, StudyError
 from dualcam.gradient import DifferentiableFleet
-from dualcam.study import StudyError
 from dualcam.study.optimisation.models import FunctionModel
 
 pytestmark = [

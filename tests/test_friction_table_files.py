@@ -7,9 +7,9 @@ from driver import models
 from test_friction_table import GROWING, STRIBECK, tables, write
 
 from dualcam import Fmu, fmu_path
-from dualcam.design_file import DesignFileError, read_design
+from dualcam.design_file import read_design
 from dualcam.design_file.friction_tables import read_friction_table
-from dualcam.errors import DesignError
+from dualcam.errors import DesignError, DesignFileError
 from dualcam.export import export_fmu
 
 FORWARD, INVERSE = models["DualCamForward"], models["DualCamInverse"]

@@ -6,8 +6,8 @@ import math
 import numpy as np
 import pytest
 
-from dualcam import Fleet, FmuError, UnknownVariableError
-from dualcam.errors import DualcamError
+from dualcam import Fleet
+from dualcam.errors import DualcamError, FmuError, UnknownVariableError
 from dualcam.gradient import DifferentiableFleet, jax_rollout, torch_rollout
 
 COUNT, STEPS, H = 6, 1000, 2e-3
@@ -229,6 +229,12 @@ def test_every_run_begins_anew(fleet):
     assert again.states.tobytes() == first.states.tobytes()
 
 
+def test_the_gradient_by_u_is_named_inputs(fleet):
+    run = fleet.rollout(*arguments())
+    with pytest.raises(AttributeError, match="inputs is the gradient by u"):
+        _ = run.gradient(np.ones_like(run.states)).u
+
+
 @pytest.mark.parametrize(
     ("options", "mentions"),
     [
@@ -240,12 +246,12 @@ def test_every_run_begins_anew(fleet):
         ({"fmu": "inverse"}, "by 'tau': allowed here are none"),
         ({"values": {"initial.theta": 0.3}}, "values has initial.theta"),
         ({"values": {"cam1.friction": 0.3}, "parameters": ["cam1.friction"]}, "values has cam1.friction"),
-        ({"h": 0.0}, "h = 0.0: allowed is a finite number > 0, in s"),
+        ({"step": 0.0}, "step = 0.0: allowed is a finite number > 0, in s"),
     ],
 )
 def test_wrong_use_is_refused(options, mentions):
     with pytest.raises((FmuError, UnknownVariableError), match=mentions):
-        DifferentiableFleet(**{"fmu": "forward", "count": 1, "h": 1e-3} | options)
+        DifferentiableFleet(**{"fmu": "forward", "count": 1, "step": 1e-3} | options)
 
 
 def test_wrong_shapes_are_refused(fleet):

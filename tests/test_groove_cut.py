@@ -12,17 +12,8 @@ import numpy as np
 import pytest
 
 from dualcam import Fmu, read_design
-from dualcam.design import (
-    DesignError,
-    Ellipse,
-    GrooveCut,
-    Helix,
-    Mechanism,
-    Spring,
-    Table,
-    curvature,
-    export_groove,
-)
+from dualcam.design import Ellipse, GrooveCut, Helix, Mechanism, Spring, Table, curvature, export_groove
+from dualcam.errors import DesignError
 
 PIN = 0.003  # m
 ANGLES = np.array([0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9])

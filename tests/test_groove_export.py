@@ -10,8 +10,8 @@ import pytest
 
 from dualcam import read_design
 from dualcam.__main__ import main
-from dualcam.design import DesignError, GrooveCut, Helix, Mechanism, Spring, export_groove
-from dualcam.errors import DualcamWarning
+from dualcam.design import GrooveCut, Helix, Mechanism, Spring, export_groove
+from dualcam.errors import DesignError, DualcamWarning
 
 
 @pytest.fixture

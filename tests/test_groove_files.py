@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from dualcam.design import DesignError, Table
+from dualcam.design import Table
 from dualcam.design.groove_files import read_groove
-from dualcam.errors import UnitWarning
+from dualcam.errors import DesignError, UnitWarning
 
 DEGREES = np.array([0.0, 20.0, 45.0, 60.0, 80.0])
 MILLIMETRES = np.array([0.0, 4.5, 9.25, 12.0, 14.0])
@@ -137,7 +137,8 @@ FMU_READS = {
 
 @pytest.mark.parametrize("name", FMU_READS)
 def test_what_is_called_the_fmus_format_is_what_the_fmu_reads(file, name):
-    from dualcam import Fmu, FmuError
+    from dualcam import Fmu
+    from dualcam.errors import FmuError
     from dualcam.fmi.library import fmu_path
 
     path = file(FMU_READS[name])

@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from dualcam.design import DesignError, HelicalSpring, find_springs, tensile_strength
+from dualcam.design import HelicalSpring, find_springs, tensile_strength
 from dualcam.design.spring_steel import DIAMETERS
-from dualcam.errors import UnitWarning
+from dualcam.errors import DesignError, UnitWarning
 
 INCH, POUND = 0.0254, 4.4482216
 KPSI = 1e3 * POUND / INCH**2

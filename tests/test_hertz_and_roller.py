@@ -8,16 +8,8 @@ import pytest
 from scipy.integrate import quad
 from scipy.optimize import brentq, minimize
 
-from dualcam.design import (
-    DesignError,
-    Pin,
-    Roller,
-    hertz_pressure,
-    line_contact,
-    relative_radius,
-    shear_below,
-)
-from dualcam.errors import UnitWarning
+from dualcam.design import Pin, Roller, hertz_pressure, line_contact, relative_radius, shear_below
+from dualcam.errors import DesignError, UnitWarning
 
 BRONZE = Pin(radius=0.004, width=0.009, cam_modulus=110e9, cam_poisson=0.34)
 

@@ -7,13 +7,13 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from dualcam.common.tables import TableError, in_unit, read_columns
-from dualcam.design import DesignError, Table
+from dualcam.common.tables import in_unit, read_columns
+from dualcam.design import Table
 from dualcam.design.workflow import TorqueCurve
 from dualcam.design_file.friction_tables import read_friction_table
-from dualcam.errors import IdentificationError, UnitWarning
+from dualcam.errors import DesignError, IdentificationError, StudyError, TableError, UnitWarning
 from dualcam.identification import read_recording
-from dualcam.study import Plan, StudyError, read_study
+from dualcam.study import Plan, read_study
 
 # ---- what may stand in a file: the torques 1, 1.13, 2.5, 4 N.m at 0, 10, 20, 30 deg ----
 

@@ -12,10 +12,10 @@ from reference.bench import Bench, record, sines, triangle
 from scipy.stats import binom
 
 import dualcam
-from dualcam import DualcamError, Fmu, identify
+from dualcam import Fmu, identify
 from dualcam.__main__ import main
 from dualcam.design_file import read_design, write_template
-from dualcam.errors import IdentificationError
+from dualcam.errors import DualcamError, IdentificationError
 from dualcam.identification import Recording, fitted_names, read_recording
 from dualcam.identification.least_squares import Problem
 from dualcam.identification.motion import motion_of

@@ -8,7 +8,8 @@ import pytest
 from driver import ROOT
 from fmpy.model_description import read_model_description as read_by_fmpy
 
-from dualcam import FmuError, read_model_description
+from dualcam.errors import FmuError
+from dualcam.fmi import read_model_description
 from dualcam.fmi.model_description import parse_model_description
 from dualcam.fmi.platforms import binary_folders, library_suffix, platform_tuple
 

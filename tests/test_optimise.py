@@ -19,18 +19,9 @@ from case_studies import optimised_designs
 from dualcam.__main__ import main
 from dualcam.checking import check_design
 from dualcam.design_file import read_design
-from dualcam.errors import DualcamError
+from dualcam.errors import DualcamError, StudyError
 from dualcam.scenario.formula import formula
-from dualcam.study import (
-    Deviation,
-    FmuRuns,
-    Optimisation,
-    Scenario,
-    StudyError,
-    Vary,
-    optimise,
-    read_optimisation,
-)
+from dualcam.study import Deviation, FmuRuns, Optimisation, Scenario, Vary, optimise, read_optimisation
 from dualcam.study.file import schema
 from dualcam.study.optimisation.evaluation import DesignEvaluator, percentile
 from dualcam.study.optimisation.genetic import hypervolume

@@ -616,10 +616,10 @@ def test_benchmark_writes_what_it_measures(tmp_path, fmu):
 @pytest.mark.parametrize(
     ("call", "text"),
     [
-        (lambda c: c.step_explicit(0.0), "size = 0.0: allowed is a finite number > 0, in s"),
-        (lambda c: c.step_implicit(math.nan), "size = nan: allowed is a finite number > 0, in s"),
-        (lambda c: c.step_implicit("1 ms"), "size = '1 ms': allowed is a finite number > 0, in s"),
-        (lambda c: c.step_explicit([H, H]), r"size = \[0.001, 0.001\]: allowed"),
+        (lambda c: c.step_explicit(0.0), "step = 0.0: allowed is a finite number > 0, in s"),
+        (lambda c: c.step_implicit(math.nan), "step = nan: allowed is a finite number > 0, in s"),
+        (lambda c: c.step_implicit("1 ms"), "step = '1 ms': allowed is a finite number > 0, in s"),
+        (lambda c: c.step_explicit([H, H]), r"step = \[0.001, 0.001\]: allowed"),
         (lambda c: c.step_explicit(H, order="1"), "order = 1: allowed"),
         (lambda c: c.step_implicit(H, end_weight="1"), "end_weight = '1': allowed"),
         (lambda c: step_difference(lambda step: 0.0, None), "step = None: allowed"),

@@ -72,9 +72,9 @@ def test_a_recording_with_durations_is_that_with_seconds():
     expected = Recording.from_arrays(seconds, theta, 3.0 + theta)
     found = Recording.from_arrays(durations, theta, 3.0 + theta)
     assert found.time == pytest.approx(expected.time, rel=1e-15)
-    with pytest.raises(dualcam.IdentificationError, match="theta has elements of type timedelta64"):
+    with pytest.raises(dualcam.errors.IdentificationError, match="theta has elements of type timedelta64"):
         Recording.from_arrays(seconds, durations, theta)
-    with pytest.raises(dualcam.IdentificationError, match=r"time has elements of type datetime64"):
+    with pytest.raises(dualcam.errors.IdentificationError, match=r"time has elements of type datetime64"):
         Recording.from_arrays(np.datetime64("2024-01-01") + durations, theta, theta)
 
 
@@ -143,7 +143,7 @@ def test_no_duration_reaches_an_fmu(call):
 def test_no_duration_reaches_a_fleet():
     two, values = DURATIONS[:2], {"tau": np.timedelta64(5, "ns")}
     for parameters in (values, {"tau": two}, {"contacts": two}, {"tau": np.array([True, False])}):
-        with pytest.raises(dualcam.FmuError, match=r"(tau|contacts) has elements of type"):
+        with pytest.raises(dualcam.errors.FmuError, match=r"(tau|contacts) has elements of type"):
             dualcam.Fleet("forward", 2, parameters=parameters)
     with dualcam.Fleet("forward", 2) as fleet:
         for call in (
@@ -153,7 +153,7 @@ def test_no_duration_reaches_a_fleet():
             lambda: fleet.reset(parameters={"tau": two}),
             lambda: fleet.step([[1.0], [2.0]], np.timedelta64(1, "ns")),
         ):
-            with pytest.raises(dualcam.FmuError, match="allowed"):
+            with pytest.raises(dualcam.errors.FmuError, match="allowed"):
                 call()
         assert fleet.times.tolist() == [0.0, 0.0]
 
@@ -168,7 +168,7 @@ def test_a_run_with_gradients_names_the_argument_that_is_wrong():
             ((start, u, [0.14]), r"p has shape \(1,\): allowed is \(1, 1\)"),
             ((start, DURATIONS[None, :, None], p), "u has elements of type timedelta64"),
         ):
-            with pytest.raises(dualcam.FmuError, match=message):
+            with pytest.raises(dualcam.errors.FmuError, match=message):
                 fleet.rollout(*arguments)
-        with pytest.raises(dualcam.FmuError, match=r"by_states has shape \(1, 5\)"):
+        with pytest.raises(dualcam.errors.FmuError, match=r"by_states has shape \(1, 5\)"):
             fleet.rollout(start, u, p).gradient(np.zeros((1, 5)))

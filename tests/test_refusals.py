@@ -9,6 +9,7 @@ import pytest
 import dualcam
 from dualcam.design import Table
 from dualcam.design_file import write_template
+from dualcam.errors import DualcamError, FileError, FmuError
 from dualcam.gradient import DifferentiableFleet
 
 
@@ -29,15 +30,15 @@ WRITERS = {
 @pytest.mark.parametrize("name", WRITERS)
 def test_a_folder_that_is_missing(design, tmp_path, name):
     path = tmp_path / "missing" / name
-    with pytest.raises(dualcam.FileError, match=r"cannot be written: .*Make its folder first") as caught:
+    with pytest.raises(FileError, match=r"cannot be written: .*Make its folder first") as caught:
         WRITERS[name](design, path)
-    assert isinstance(caught.value, dualcam.DualcamError) and isinstance(caught.value, OSError)
+    assert isinstance(caught.value, DualcamError) and isinstance(caught.value, OSError)
     assert str(path) in str(caught.value) and caught.value.filename == str(path)
 
 
 @pytest.mark.parametrize("name", ["theta", "omega", "tau", "F_ext", "period"])
 def test_a_text_is_no_operating_point(name):
-    with pytest.raises(dualcam.FmuError, match=f"{name} = '0.4': allowed is a finite number"):
+    with pytest.raises(FmuError, match=f"{name} = '0.4': allowed is a finite number"):
         dualcam.linearize("forward", **{"theta": 0.5, "omega": 1.0} | {name: "0.4"})
 
 
@@ -54,12 +55,12 @@ def test_handles_say_what_to_do_instead_of_pickling():
             (continuous, "open a new one there from its `path`"),
             (fmu.reals("tau"), "make a group of its `names` with the FMU there"),
             (fmu.save_state(), "restore it into its own FMU"),
-            (dualcam.RepeatedStart(fmu, {}, ["tau"]), "open a new one there"),
+            (dualcam.fmi.RepeatedStart(fmu, {}, ["tau"]), "open a new one there"),
             (fleet, "make a new one there, from the same arguments"),
             (fleet.save(), "restore it into its own fleet"),
             (differentiable, "make a new one there"),
         ):
             for attempt in (pickle.dumps, copy.deepcopy):
-                with pytest.raises(dualcam.FmuError, match=f"cannot be pickled or copied: .*{instead}"):
+                with pytest.raises(FmuError, match=f"cannot be pickled or copied: .*{instead}"):
                     attempt(handle)
         fmu.start()  # as before

@@ -106,6 +106,9 @@ def test_motor_keeps_its_limits():
 
 def test_lqi_gains_become_butterworth_as_the_period_shrinks():
     w = 2 * math.pi * 8.0
+    assert lqi_gains(8.0, dt=1e-3) == lqi_gains(8.0, period=1e-3)
+    with pytest.raises(ValueError, match="period and dt mean the same"):
+        lqi_gains(8.0, period=1e-3, dt=1e-3)
     assert lqi_gains(8.0, 1e-6) == pytest.approx((2 * w**2, 2 * w, w**3), rel=1e-4)
 
 

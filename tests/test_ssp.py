@@ -18,8 +18,9 @@ from fmpy.validation import validate_fmu
 from lxml import etree
 from ssp_structures import connections_of, connectors_of
 
-from dualcam import Fmu, FmuError
+from dualcam import Fmu
 from dualcam import ssp as ssp_package
+from dualcam.errors import FmuError
 from dualcam.ssp.package import split, tag
 from dualcam.systems.blocks.current_loop import CURRENT_BANDWIDTH, CURRENT_RATE, CurrentLoop
 from dualcam.systems.blocks.motions import FourierSeries

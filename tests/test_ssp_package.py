@@ -9,9 +9,10 @@ from fmpy.ssp.simulation import simulate_ssp
 from fmpy.validation import validate_fmu
 from pythonfmu.builder import FmuBuilder
 
-from dualcam import DesignError, DualcamError, DualcamWarning, Fmu, export_fmu, fmu_path
+from dualcam import Fmu, export_fmu, fmu_path
 from dualcam.cli import main
 from dualcam.coupling import Impedance, largest_stable_step
+from dualcam.errors import DesignError, DualcamError, DualcamWarning
 from dualcam.ssp import Component, System
 
 FORWARD, INVERSE = fmu_path("forward"), fmu_path("inverse")

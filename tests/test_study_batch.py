@@ -115,7 +115,7 @@ def test_without_the_library_runs_are_made_from_python(monkeypatch):
     """As on a platform for which there is none."""
 
     def missing():
-        raise dualcam.FmuError("the library of dualcam.Fleet is missing")
+        raise dualcam.errors.FmuError("the library of dualcam.Fleet is missing")
 
     expected = Runner(study().job()).run(study().plan.rows(0, 8)).values
     monkeypatch.setattr(batch, "native", missing)

@@ -7,7 +7,8 @@ import pytest
 from scipy.stats import norm
 from study_cases import FORWARD, SOUND_PLAN, refused, study
 
-from dualcam.study import Correlation, History, Plan, Scenario, StudyError, Vary, read_study
+from dualcam.errors import StudyError
+from dualcam.study import Correlation, History, Plan, Scenario, Vary, read_study
 
 
 def told(path):

@@ -21,6 +21,7 @@ parquet = pytest.importorskip("pyarrow.parquet", reason="pyarrow is not installe
 PLAN = Plan("grid", {"cam1.friction": Vary(0.08, 0.2, count=3), "spring.preload": Vary(values=[50.0, 60.0])})
 RESULTS = [
     "theta",
+    "theta@end",
     "omega@0.03",
     "series(theta, every=0.01)",
     "late = series(omega, at=[0.025, 0.05])",
@@ -31,6 +32,7 @@ RESULTS = [
     "lost = 1 - energy.spring@0.03 / energy.work_in@0.03",
     "both = 2 * top + sqrt(cam1.friction) - `omega@0.03`",
     "over = max(theta, every=0.01) - max(0.1, mean(theta, every=0.02))",
+    "rise = theta@end - theta@0.03",
     "larger = max(theta, -2 * omega@0.03)",  # of two values, not of samples
 ]
 RAMP = Scenario(0.055, {"tau": History([0.0, 0.055], [2.0, 9.0])})
@@ -58,6 +60,8 @@ def by_hand(friction, preload):
     middle = sum((b - a) * (seen[a] + seen[b]) / 2.0 for a, b in pairwise(third))
     return {
         "theta": seen[0.055],
+        "theta@end": seen[0.055],
+        "rise": seen[0.055] - seen[0.03],
         "omega@0.03": omega[0.03],
         "series(theta, every=0.01)": theta,
         "late": [omega[0.025], omega[0.05]],

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from study_cases import FORWARD, spring_of_wire
 
 from dualcam.__main__ import main
-from dualcam.design_file import DesignFileError
-from dualcam.study import StudyError, read_optimisation, read_study
+from dualcam.errors import DesignFileError, StudyError
+from dualcam.study import read_optimisation, read_study
 
 SOUND = """
 fmu = "{fmu}"

@@ -34,7 +34,7 @@ from study_cases import (
 from study_laws import murderous, slow
 
 from dualcam.__main__ import main
-from dualcam.fmi.fmu import FmuError
+from dualcam.errors import FmuError
 from dualcam.study import Controller, Plan, Scenario, Study, Vary, read_results, read_study
 from dualcam.study.run import processes
 from dualcam.study.run.workers import DIED

@@ -10,7 +10,8 @@ from study_cases import refused
 
 from dualcam.__main__ import main
 from dualcam.cli.study import PLAN
-from dualcam.design_file import DesignFileError, write_template
+from dualcam.design_file import write_template
+from dualcam.errors import DesignFileError
 from dualcam.study import read_results, read_study
 
 SCENARIO = "[scenario]\nstop = 0.1\ninputs.tau = 8.0\n"

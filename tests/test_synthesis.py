@@ -10,8 +10,8 @@ import pytest
 from driver import models
 
 from dualcam import ContinuousFmu
-from dualcam.design import DesignError, Helix, Spring, propose_spring, synthesize
-from dualcam.errors import UnitWarning
+from dualcam.design import Helix, Spring, propose_spring, synthesize
+from dualcam.errors import DesignError, UnitWarning
 
 UPPER = 1.2
 HELIX = Helix(0.02, math.pi / 4)

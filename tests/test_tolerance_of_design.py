@@ -7,10 +7,9 @@ import warnings
 import pytest
 from scipy.stats import norm
 
-from dualcam import DesignError
 from dualcam.design import Helix, Mechanism, Spring
 from dualcam.design.tolerances import Tolerance, analyse
-from dualcam.errors import UnitWarning
+from dualcam.errors import DesignError, UnitWarning
 
 PLAIN = Mechanism((Helix(0.02, math.pi / 4),) * 2, (0.14, 0.14), Spring(50.0, 5e4), 1.3963)
 

@@ -10,10 +10,11 @@ from matplotlib.figure import Figure
 from scipy.optimize import brentq, minimize_scalar
 from scipy.stats import beta, cauchy, chi2, expon, norm, t, uniform
 
-from dualcam import DesignError, DualcamError, Fmu, read_design
+from dualcam import Fmu, read_design
 from dualcam.design import Cycloid, Ellipse, Helix, Mechanism, Spring, Table
 from dualcam.design.tolerances import Limit, Tolerance, analyse, analysis, propagate, yield_of
 from dualcam.design_file import write_template
+from dualcam.errors import DesignError, DualcamError
 
 matplotlib.use("Agg")
 INVERSE = models["DualCamInverse"].fmu

@@ -11,7 +11,8 @@ from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq
 
 from dualcam import Fmu
-from dualcam.design import DesignError, Ellipse, Helix, Mechanism, Pin, Spring, Table, wear
+from dualcam.design import Ellipse, Helix, Mechanism, Pin, Spring, Table, wear
+from dualcam.errors import DesignError
 
 PIN = Pin(radius=0.003, width=0.008, wear=2e-15)
 RATES = (3e-15, 1e-15)

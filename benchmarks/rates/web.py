@@ -17,7 +17,8 @@ from rich.console import Console
 
 from benchmarks.harness.repository import ROOT
 from benchmarks.rates.measure import Group, Measure
-from dualcam import fmu_path, read_model_description
+from dualcam import fmu_path
+from dualcam.fmi import read_model_description
 from dualcam.fmi.library import web_path
 
 STEP = 1e-3  # s

@@ -42,7 +42,7 @@ angle.set(xlabel="time [s]", ylabel="angle of cam 2 [deg]")
 # The FMU for other tools. Its name is that of the file, its start values are those of the design.
 
 fmu = dualcam.export_fmu(file, Path(folder.name) / "MyCam.fmu")
-description = dualcam.read_model_description(fmu)
+description = dualcam.fmi.read_model_description(fmu)
 starts = {variable.name: variable.start for variable in description.variables}
 print(description.model_name, starts["spring.stiffness"], "N/m")
 folder.cleanup()

@@ -222,7 +222,8 @@ def back_link(link: re.Match[str], objects: Mapping[str, Any]) -> str:
     folder, page, anchor = link.groups()
     known = [full for full, entry in objects.items() if entry.docname.endswith(f"/{page}")]
     for full in known:
-        if anchor not in known and full.startswith(page) and full.endswith(anchor.partition(".")[2]):
+        name = full.removeprefix(page.rpartition(".")[0])  # without the room
+        if anchor not in known and full.startswith(page) and anchor.endswith(name):
             anchor = full
             break
     return f'href="{folder}{page}.html#{anchor}"'

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from dualcam.design import Limits, Pin, torque_band
+from dualcam.design.band import NOT_LOCKING, span
 from dualcam.design.mechanism import POINTS, Mechanism
 from dualcam.design.strength import strength
-from dualcam.design.torque_band import NOT_LOCKING, span
 from dualcam.design_file import DesignFile
 from dualcam.design_file.durability import (
     RollerNumbers,

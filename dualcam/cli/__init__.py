@@ -7,6 +7,6 @@ output      text for people, JSON for programs
 May import every other room.
 """
 
-from dualcam.cli.main import main
+from dualcam.cli.commands import main
 
 __all__ = ["main"]

@@ -135,7 +135,7 @@ def _rows(band: TorqueBand) -> np.ndarray:
 
 
 def _summary(band: TorqueBand) -> str:
-    from dualcam.design.torque_band import NOT_LOCKING
+    from dualcam.design.band import NOT_LOCKING
     from dualcam.report.summary import span_words
 
     if not np.isfinite(band.load).all():

@@ -45,7 +45,7 @@ def judge(design: DesignFile, anyway: bool, as_json: bool = False) -> None:
     """DesignFileError with the errors of `dualcam check`; with `anyway` the errors are printed instead.
     Warnings go to stderr, and with `as_json` the errors too: JSON stands alone on stdout."""
     from dualcam.checking import check_design
-    from dualcam.design_file import DesignFileError
+    from dualcam.errors import DesignFileError
 
     verdict = check_design(design)
     for finding in verdict.warnings:

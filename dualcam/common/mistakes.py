@@ -5,31 +5,14 @@ before finds nothing."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, TypeVar
 
-from dualcam.errors import DualcamError, FmuError
+from dualcam.errors import DualcamError, StudyError
 
 Made = TypeVar("Made")
-
-
-class StudyError(FmuError):
-    """This study cannot be made, or not be continued; the message says what to do.
-
-    Attributes
-    ----------
-    problems : tuple of str
-        All that is wrong, one text each; a single one for most errors.
-    """
-
-    def __init__(self, message: str, problems: Sequence[str] = ()) -> None:
-        super().__init__(message)
-        self.problems = tuple(problems) or (message,)
-
-    def __reduce__(self) -> tuple[type[StudyError], tuple[str, tuple[str, ...]]]:
-        return type(self), (str(self), self.problems)
 
 
 class Findings:

@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 import sys
-from typing import TYPE_CHECKING
+from functools import wraps
+from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
+
+from dualcam.errors import DualcamError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
     from importlib.machinery import ModuleSpec
     from types import ModuleType
+
+P = ParamSpec("P")
+R = TypeVar("R")
 
 _ROOMS = {  # new place -> names of the modules that kept their names
     "common": "archive arrays html_page module_calls paths process_bound svg unit_guards version",
@@ -34,6 +40,20 @@ MOVED = {  # old path -> new path, both below dualcam
     "report_inputs": "report.inputs",
 }
 
+NEW_PLACES = {  # old name in dualcam -> its place below dualcam
+    name: f"{room}.{name}"
+    for room, names in {
+        "control": "LimitCycle LimitCycles LoopMotion OperatingPoint",
+        "errors": "CouplingError DesignError DesignFileError DualcamError DualcamWarning ExportError"
+        " FileError FleetError FmuError IdentificationError LimitCycleWarning MujocoError"
+        " OperatingPointError StudyError TaskError UnitWarning UnknownVariableError UnstableCouplingWarning",
+        "fleet": "FleetState",
+        "fmi": "FmuState ModelDescription Reals RepeatedStart Variable read_model_description",
+    }.items()
+    for name in names.split()
+}
+GUESSES = {"nlsys": "to_nonlinear_io_system", "ss": "linearize"}  # names of python-control
+
 
 def moved_module(old: str, stacklevel: int) -> ModuleType:
     """The module whose old path below `dualcam` this is. `stacklevel` is that of warnings.warn."""
@@ -45,19 +65,48 @@ def moved_module(old: str, stacklevel: int) -> ModuleType:
     return import_module(f"dualcam.{MOVED[old]}")
 
 
+def moved_name(module: str, old: str, new: str, stacklevel: int) -> object:
+    """What an old name of `module` means, with a warning. `new`: `room.name`, or a name in `module`."""
+    import warnings
+    from importlib import import_module
+
+    room, _, name = new.rpartition(".")
+    place = f"dualcam.{room}" if room else module
+    text = f"{module}.{old} is now {place}.{name}. The old name goes with the next release"
+    warnings.warn(text, DeprecationWarning, stacklevel=stacklevel + 1)
+    return getattr(import_module(place), name)
+
+
 def old_names(module: str, now: dict[str, str]) -> Callable[[str], object]:
-    """A `__getattr__` for a module in which names have changed. `now`: old name -> new name."""
+    """A `__getattr__` for a module in which names have changed. `now`: as `moved_name` takes them."""
 
     def __getattr__(name: str) -> object:
         if name not in now:
             raise AttributeError(f"module {module!r} has no attribute {name!r}")
-        import warnings
-
-        text = f"{module}.{name} is now called {now[name]}. The old name goes with the next release"
-        warnings.warn(text, DeprecationWarning, stacklevel=2)
-        return getattr(sys.modules[module], now[name])
+        return moved_name(module, name, now[name], stacklevel=2)
 
     return __getattr__
+
+
+def also_called(**now: str) -> Callable[[Callable[P, R]], Callable[P, R]]:
+    """The function or class takes an argument by another keyword, too. `now`: other keyword = its name."""
+
+    def decorated(function: Callable[P, R]) -> Callable[P, R]:
+        if isinstance(function, type):
+            function.__init__ = decorated(function.__init__)  # type: ignore[misc]
+            return function
+
+        @wraps(function)
+        def call(*arguments: Any, **named: Any) -> R:  # noqa: ANN401
+            for other in now.keys() & named.keys() if named else ():
+                if now[other] in named:
+                    raise DualcamError(f"{now[other]} and {other} mean the same: allowed is one of them")
+                named[now[other]] = named.pop(other)
+            return function(*arguments, **named)
+
+        return call
+
+    return decorated
 
 
 class _OldPaths:

@@ -4,16 +4,13 @@ from __future__ import annotations
 
 import warnings
 
-import control
-
-from dualcam.control.forward import CamAtState
+from dualcam.control.forward import CamAtState, Names
 from dualcam.control.harmonic_balance import candidates
 from dualcam.control.limit_cycles import LimitCycles, check_in_loop, unchecked
-from dualcam.control.linear import OperatingPointError
 from dualcam.control.play_operator import PlayOperator
-from dualcam.control.sampled_loop import SampledController, check_duration
+from dualcam.control.sampled_loop import Law, SampledController, check_duration
 from dualcam.control.swing import ImposedSwing
-from dualcam.errors import LimitCycleWarning
+from dualcam.errors import LimitCycleWarning, OperatingPointError
 
 DURATION = 200.0  # s, of a run of the loop
 
@@ -117,20 +114,30 @@ class CamHysteresis(PlayOperator):
             cam.fmu.close()
 
     def limit_cycles(
-        self, controller: control.lti.LTI, check: bool = True, duration: float = DURATION
+        self,
+        controller: Law,
+        check: bool = True,
+        duration: float = DURATION,
+        *,
+        inputs: Names = None,
     ) -> LimitCycles:
         """Limit cycles under a sampled position controller: predicted, and checked with the FMU in the loop.
 
         Parameters
         ----------
-        controller : control.StateSpace or control.TransferFunction
-            From the error, `theta` less the angle [rad], to the torque [N.m], with a sampling time. The
-            torque is held over the period.
+        controller : control.StateSpace, control.TransferFunction or linear control.NonlinearIOSystem
+            With a sampling time. Its one output is the torque [N.m], which is held over the period. An input
+            is "error", `theta` less the angle [rad], "theta", the angle [rad], "omega" [rad/s], or
+            "reference", which stays constant. Whatever else makes the torque of rest counts as a bias.
         check : bool
             Whether the loop is run with the FMU: from each prediction, and from four offsets. Seconds;
             without the check about one second.
         duration : float
             Longest time [s] of each run of the check; at most 4e6 periods of the controller.
+        inputs : str or sequence of str, optional
+            What the inputs of the controller are, in their order. None: their names say it, where `xd[0]` and
+            `ud[0]` of control.create_statefbk_iosystem are references; a single input of another name is the
+            error.
 
         Returns
         -------
@@ -141,15 +148,15 @@ class CamHysteresis(PlayOperator):
         LimitCycleWarning
             Once per finding: the FMU in the loop swings where no limit cycle is predicted, a prediction is
             wrong by more than 10 % in amplitude or frequency, or a run ends pressed on a stop (a controller
-            of the wrong sign), with a torque that grows without end (an unstable controller) or without
-            having settled. Without the check: a prediction whose margin is too small (see LimitCycle), or a
-            controller that is unstable.
+            of the wrong sign), with a torque that grows without end (an unstable controller), with a swing
+            that still grows, or without having settled. Without the check: a prediction whose margin is too
+            small (see LimitCycle), or a controller that is unstable.
 
         Raises
         ------
         FmuError
-            No controller, a continuous one, one with several inputs or outputs, or with coefficients that are
-            not finite; a duration that is no time, or above 4e6 periods.
+            No controller, a nonlinear or continuous one, one with several outputs, with other inputs, or with
+            coefficients that are not finite; a duration that is no time, or above 4e6 periods.
         OperatingPointError
             The hysteresis has a bias `tau`: the controller makes the bias.
 
@@ -183,7 +190,7 @@ class CamHysteresis(PlayOperator):
                 f"limit_cycles with the bias tau = {self.bias:g} N.m: allowed is a CamHysteresis without tau,"
                 " because the controller makes the bias"
             )
-        law = SampledController(controller)
+        law = SampledController(controller, inputs)
         if check:
             check_duration(duration, law.period)
         found = candidates(self, law)

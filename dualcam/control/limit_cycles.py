@@ -120,7 +120,7 @@ class _Checks:
             stop = self.hysteresis.upper if share > 0.0 else self.hysteresis.lower
             begin = theta + abs(share) * (stop - theta)
             settled = self._settle(Start(begin, 0.0, states, middle))
-            if settled.kind in ("stop", "diverges", "undecided"):
+            if settled.kind in ("stop", "diverges", "grows", "undecided"):
                 where = f"{begin:.4g} rad ({_ends(settled)} at the end)"
                 unsettled.setdefault(self._complaint(settled), []).append(where)
             elif settled.kind != "rest" and not any(_alike(settled, other) for other in self.motions):
@@ -138,6 +138,11 @@ class _Checks:
         """What is wrong where the loop neither rests nor swings, and what to do."""
         if settled.kind == "undecided":
             return f"is neither at rest nor in cycles after {self.duration:g} s. A longer duration decides"
+        if settled.kind == "grows":
+            return (
+                f"swings with an amplitude that still grows after {self.duration:g} s. A longer duration"
+                " shows where it ends"
+            )
         if settled.kind == "diverges":
             return (
                 f"{GROWS}. The controller has a pole of"
@@ -185,6 +190,7 @@ def _said(settled: LoopMotion) -> str:
         "diverges": f"{GROWS}, the cam {ends}",
         "cycle": f"swings with {swing} at {settled.frequency:.4g} rad/s, from {ends}",
         "irregular": f"hunts in unequal cycles, with {swing} at {settled.frequency:.4g} rad/s, from {ends}",
+        "grows": f"swings with an amplitude that still grows at the end of the duration, from {ends}",
         "undecided": f"is neither at rest nor in cycles at the end of the duration, from {ends}",
     }[settled.kind]
 

@@ -28,7 +28,7 @@ from dualcam.control.forward import (
     sampling_period,
     selected_names,
 )
-from dualcam.errors import DualcamWarning, FmuError
+from dualcam.errors import DualcamWarning, OperatingPointError
 from dualcam.fmi.model_description import Scalar
 
 AtRest = Literal["loading", "releasing", "frozen"]
@@ -36,10 +36,6 @@ AtRest = Literal["loading", "releasing", "frozen"]
 BEYOND_EDGE = 1e-6  # of the band's edge: torque this much beyond the edge begins slip, as 1e-13 would
 UNBALANCED = 1e-3  # of the torque: less than this beside the steady torque is an equilibrium
 ITERATIONS = 20  # one for each pair of flanks and one more are enough
-
-
-class OperatingPointError(FmuError):
-    """There is no linear model at this point; the message says where there is one."""
 
 
 @dataclass(frozen=True)

@@ -10,8 +10,10 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 
+from dualcam.common.arrays import positive_number
 from dualcam.control.forward import Source, open_forward
-from dualcam.control.linear import OperatingPointError
+from dualcam.control.linear import linearize
+from dualcam.errors import OperatingPointError
 from dualcam.fmi.fmu import Fmu, RepeatedStart
 from dualcam.fmi.model_description import Scalar
 from dualcam.fmi.reals import Array
@@ -89,20 +91,28 @@ class PlayOperator(control.DescribingFunctionNonlinearity):
         release, load = self.band(self.theta)
         return 0.5 * (load - release)
 
-    def natural_frequency(self, inertia: float) -> float:
+    def natural_frequency(self, inertia: float | None = None) -> float:
         """Natural frequency of small oscillations while loading, sqrt(dT_load/dtheta / inertia).
 
         Parameters
         ----------
-        inertia : float
-            Inertia felt at the shaft [kg.m2].
+        inertia : float, optional
+            Inertia felt at the shaft [kg.m2], > 0. None: that of the FMU with its follower, from `linearize`.
 
         Returns
         -------
         float
             Angular frequency [rad/s].
+
+        Raises
+        ------
+        FmuError
+            An inertia that is no number > 0; None, and the FMU has no inertia.
         """
-        return math.sqrt(float(self._load(self.theta, 1)) / inertia)
+        if inertia is None:
+            model = linearize(self.path, self.theta, at_rest="loading", parameters=self.parameters)
+            return math.sqrt(-float(model.A[1, 0]))
+        return math.sqrt(float(self._load(self.theta, 1)) / positive_number(inertia, "inertia"))
 
     # ---- as a function of time ----
 

@@ -8,7 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from dualcam.control.forward import CamAtState
-from dualcam.control.linear import ITERATIONS, OperatingPointError
+from dualcam.control.linear import ITERATIONS
+from dualcam.errors import OperatingPointError
 from dualcam.fmi.reals import Array
 
 FEW_NODES, MANY_NODES = 12, 48  # per half swing: for a search, and for a result
@@ -16,18 +17,10 @@ LAST_STEP = 1e-9  # of the torque, and of 1e-6 N.m: Newton's method has ended
 
 
 class Harmonics(NamedTuple):
-    """Of the torque over the amplitude of the angle, at theta = mean + A sin(phase).
+    """Of the torque over the amplitude A of the angle, at theta = middle + A sin(phase)."""
 
-    Attributes
-    ----------
-    mean : float
-        Mean torque [N.m].
-    first, second, third : complex
-        [N.m/rad]. `first` times A is the phasor of the torque beside the angle's A.
-    """
-
-    mean: float
-    first: complex
+    mean: float  # N.m
+    first: complex  # N.m/rad: times A it is the phasor of the torque beside the angle's A
     second: complex
     third: complex
 

@@ -25,6 +25,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from dualcam.common.arrays import Array, number_of, real_array
+from dualcam.common.moved import also_called
 from dualcam.coupling.held_feedback import TorqueSwings, held_feedback_text
 from dualcam.coupling.plant import (
     DIFFERENCE,
@@ -118,13 +119,14 @@ class PlantCoupling:
         theta, omega, alpha = self._motion.read()
         return ShaftMotion(self.fmu.time, theta, omega, alpha)
 
-    def step_explicit(self, size: float, order: int = 0) -> CoupledStep:
+    @also_called(size="step")
+    def step_explicit(self, step: float, order: int = 0) -> CoupledStep:
         """One step with the plant's torque from the motion at the beginning of the step.
 
-        `size`: communication step [s]. `order`: 0: the torque is held. 1, 2: the torque is a straight line, a
+        `step`: communication step [s]. `order`: 0: the torque is held. 1, 2: the torque is a straight line, a
         parabola, through the plant's torques at the motion that the FMU's derivatives predict. The error of
         theta is of order `order` + 1 in the step where the motion is smooth. CouplingError: if the plant
-        returns no finite number, or changes when it is called, or if `size` or `order` is not allowed.
+        returns no finite number, or changes when it is called, or if `step` or `order` is not allowed.
 
         Warns
         -----
@@ -133,18 +135,19 @@ class PlantCoupling:
             outside the plant makes the torque go up and down without decay. The text has the numbers, and
             what works.
         """
-        size = check_positive("size", size, "s")
+        step = check_positive("step", step, "s")
         check_order(order)
-        begin = self._begin(size)
+        begin = self._begin(step)
         jerk = self._speed.read_derivatives(2)[0] if order == 2 else 0.0
-        polynomial = torque_polynomial(self._plant_torque, begin, jerk, size, order)
-        self._advance(size, polynomial[: order + 1])
-        stability = self._stability(begin, size, order)
+        polynomial = torque_polynomial(self._plant_torque, begin, jerk, step, order)
+        self._advance(step, polynomial[: order + 1])
+        stability = self._stability(begin, step, order)
         if stability and not stability.stable:
             self._warn(str(stability))
         return self._finished(begin, CoupledStep(polynomial[0], self.motion(), 1, stability))
 
-    def step_implicit(self, size: float, end_weight: float = 0.5) -> CoupledStep:
+    @also_called(size="step")
+    def step_implicit(self, step: float, end_weight: float = 0.5) -> CoupledStep:
         """One step with the torque that suits the motion over the same step, by Newton's method.
 
         The FMU makes the step, its interface Jacobian corrects the torque, the FMU's state is restored and
@@ -153,7 +156,7 @@ class PlantCoupling:
 
         Parameters
         ----------
-        size : Communication step [s].
+        step : Communication step [s].
         end_weight
             The plant gets the angle and the speed of the beginning of the step times 1 - end_weight plus
             those of the end times end_weight, and the mean acceleration. 0.5: the mean, an error of second
@@ -176,18 +179,18 @@ class PlantCoupling:
             number, or changes when it is called, or if an argument is not allowed. The FMU is then as before
             the step.
         """
-        size = check_positive("size", size, "s")
+        step = check_positive("step", step, "s")
         if not 0.5 <= number_of(end_weight, "end_weight", "0.5 to 1", CouplingError) <= 1.0:
             raise CouplingError(f"end_weight = {end_weight}: allowed is 0.5 to 1")
-        state, begin, torque = self.fmu.save_state(), self._begin(size), self._tau.read()[0]
+        state, begin, torque = self.fmu.save_state(), self._begin(step), self._tau.read()[0]
         bracket = _Bracket()
         try:
             for trial in range(1, ITERATIONS + 1):
                 if trial > 1:
                     self.fmu.restore_state(state)
-                self._advance(size, [torque])
+                self._advance(step, [torque])
                 end = self.motion()
-                residual, slope = self._residual(torque, begin, end, size, end_weight)
+                residual, slope = self._residual(torque, begin, end, step, end_weight)
                 bracket.add(torque, residual)
                 allowed = TOLERANCE * max(1.0, abs(torque))
                 if abs(residual) <= allowed or bracket.width <= 1e-4 * allowed:
@@ -204,27 +207,27 @@ class PlantCoupling:
         )
 
     def _residual(
-        self, torque: float, begin: ShaftMotion, end: ShaftMotion, size: float, weight: float
+        self, torque: float, begin: ShaftMotion, end: ShaftMotion, step: float, weight: float
     ) -> tuple[float, float]:
         """The torque less the plant's at the motion of this trial [N.m], and its derivative by the torque."""
         dtheta, domega = self._sensitivity.read()
         motion = ShaftMotion(
-            begin.time + weight * size,
+            begin.time + weight * step,
             begin.theta + weight * (end.theta - begin.theta),
             begin.omega + weight * (end.omega - begin.omega),
-            (end.omega - begin.omega) / size,
+            (end.omega - begin.omega) / step,
         )
         shift = DIFFERENCE * max(1.0, abs(torque))
         shifted = ShaftMotion(
             motion.time,
             motion.theta + shift * weight * dtheta,
             motion.omega + shift * weight * domega,
-            motion.alpha + shift * domega / size,
+            motion.alpha + shift * domega / step,
         )
         plant = self._plant_torque(motion)
         return torque - plant, 1.0 - (self._plant_torque(shifted) - plant) / shift
 
-    def _begin(self, size: float) -> ShaftMotion:
+    def _begin(self, step: float) -> ShaftMotion:
         """The motion now. CouplingError before the first step if the plant changes when it is called; a
         warning if feedback outside of the plant makes the loop unstable."""
         begin = self.motion()
@@ -241,7 +244,7 @@ class PlantCoupling:
         if self._foreseen is not None:
             torque = self._plant_torque(begin)
             if torque != self._foreseen:
-                self._warn(held_feedback_text(self._swings, size, self._foreseen, torque))
+                self._warn(held_feedback_text(self._swings, step, self._foreseen, torque))
         return begin
 
     def _finished(self, begin: ShaftMotion, step: CoupledStep) -> CoupledStep:
@@ -269,23 +272,23 @@ class PlantCoupling:
             )
         return torque
 
-    def _advance(self, size: float, polynomial: list[float]) -> None:
+    def _advance(self, step: float, polynomial: list[float]) -> None:
         """Step with the torque and its time derivatives at the beginning of the step."""
         self._tau.values[:] = polynomial[0]
         self._tau.write()
         for order, derivative in enumerate(polynomial[1:], start=1):
             self._tau.write_derivatives(order, [derivative])
-        self.fmu.step(size)
+        self.fmu.step(step)
 
-    def _stability(self, begin: ShaftMotion, size: float, order: int) -> LoopStability | None:
+    def _stability(self, begin: ShaftMotion, step: float, order: int) -> LoopStability | None:
         """Of the latest step. None where the cam did not slide throughout."""
-        cam = cam_of_step(size, *self._sensitivity.read())
+        cam = cam_of_step(step, *self._sensitivity.read())
         if cam is None:
             return None
         inertia, damping = cam
         plant = impedance_of(self._plant_torque, begin)
-        radius = spectral_radius(size, inertia, plant, order, damping)
-        return LoopStability(size, inertia, plant, order, radius, damping)
+        radius = spectral_radius(step, inertia, plant, order, damping)
+        return LoopStability(step, inertia, plant, order, radius, damping)
 
 
 def step_difference(run: Callable[[float], ArrayLike], step: float) -> float:

@@ -13,8 +13,8 @@
     export_groove, GrooveCut, CamBody       files for a workshop: points, drawing, solid
     dualcam.design.tolerances               what tolerances do to the torque band
 
-Everything here is slow motion without damper, external force and inertia, in SI units. An
-impossible design is a DesignError (a ValueError) that names the angle, the value and what is allowed.
+Everything here is slow motion without damper, external force and inertia, in SI units. An impossible design
+is a dualcam.errors.DesignError (a ValueError) that names the angle, the value and what is allowed.
 
 May import common, fmi.
 """
@@ -23,10 +23,12 @@ from typing import TYPE_CHECKING
 
 from dualcam.common.module_calls import explain_call_of
 from dualcam.common.moved import old_names
+from dualcam.design.band import TorqueBand, torque_band
 from dualcam.design.cut.cam_body import CamBody
 from dualcam.design.cut.export import export_groove
 from dualcam.design.cut.groove_cut import Curve, Flanks, GrooveCut
 from dualcam.design.design import Design
+from dualcam.design.groove_wear import Wear, WearLife, WornMechanism, wear
 from dualcam.design.grooves import Cycloid, Ellipse, Groove, Helix, Table, curvature
 from dualcam.design.helical_spring import Fatigue, HelicalSpring
 from dualcam.design.hertz import LineContact, Pin, hertz_pressure, line_contact, relative_radius, shear_below
@@ -37,7 +39,6 @@ from dualcam.design.spring_search import find_springs
 from dualcam.design.spring_steel import tensile_strength
 from dualcam.design.statics import (
     BestLeadAngles,
-    DesignError,
     EfficiencyMap,
     band_factors,
     efficiency,
@@ -46,8 +47,6 @@ from dualcam.design.statics import (
 )
 from dualcam.design.strength import Assessment, Limits, LimitViolation, assess
 from dualcam.design.synthesis import propose_spring, synthesize
-from dualcam.design.torque_band import TorqueBand, torque_band
-from dualcam.design.wear import Wear, WearLife, WornMechanism, wear
 from dualcam.design.workflow import TorqueCurve, design_groove
 
 __all__ = [
@@ -57,7 +56,6 @@ __all__ = [
     "Curve",
     "Cycloid",
     "Design",
-    "DesignError",
     "EfficiencyMap",
     "Ellipse",
     "Fatigue",
@@ -103,4 +101,7 @@ __all__ = [
 explain_call_of(__name__)
 
 if not TYPE_CHECKING:  # type checkers report the old names
-    __getattr__ = old_names(__name__, {"Finding": "LimitViolation", "Optimum": "BestLeadAngles"})
+    __getattr__ = old_names(
+        __name__,
+        {"DesignError": "errors.DesignError", "Finding": "LimitViolation", "Optimum": "BestLeadAngles"},
+    )

@@ -8,11 +8,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from dualcam.common.arrays import real_array
+from dualcam.design.band import TorqueBand, span, torque_band
 from dualcam.design.grooves import Table
 from dualcam.design.mechanism import POINTS, Mechanism
-from dualcam.design.statics import Array, DesignError
+from dualcam.design.statics import Array
 from dualcam.design.torque import Torque
-from dualcam.design.torque_band import TorqueBand, span, torque_band
+from dualcam.errors import DesignError
 
 SMALL = 1e-3  # share of the largest torque below which errors are relative to that share of it
 

@@ -33,8 +33,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from dualcam.design.grooves import CLASSES, Groove
 from dualcam.design.mechanism import Spring, check_pair
-from dualcam.design.statics import Array, DesignError, sign_of, transfer
+from dualcam.design.statics import Array, sign_of, transfer
 from dualcam.design.torque import Torque, WantedTorque, wanted_torque
+from dualcam.errors import DesignError
 
 if TYPE_CHECKING:
     from scipy.integrate import OdeSolution

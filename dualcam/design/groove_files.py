@@ -12,7 +12,8 @@ from pathlib import Path
 
 from dualcam.common.paths import path_of
 from dualcam.common.tables import ANGLE_NAMES, GROOVE_HEADER, UNITS, ColumnKind, TableKind, read_table
-from dualcam.design.statics import Array, DesignError
+from dualcam.design.statics import Array
+from dualcam.errors import DesignError
 
 DELIMITERS = (";", ",", " ", "\t")
 GROOVE = TableKind(

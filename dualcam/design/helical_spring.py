@@ -22,7 +22,8 @@ from dualcam.design.spring_steel import (
     ZIMMERLI,
     tensile_strength,
 )
-from dualcam.design.statics import DesignError, check_numbers
+from dualcam.design.statics import check_numbers
+from dualcam.errors import DesignError
 
 END_COILS = 2.0  # closed and ground ends
 RANGES = {  # least and greatest value with the unit; 2 active coils are the least of EN 13906-1

@@ -18,7 +18,8 @@ from numpy.typing import ArrayLike
 
 from dualcam.common.arrays import real_array
 from dualcam.common.unit_guards import warn_units
-from dualcam.design.statics import Array, DesignError, check_numbers
+from dualcam.design.statics import Array, check_numbers
+from dualcam.errors import DesignError
 
 DEPTH_SHARE = math.sqrt(0.5 * (math.sqrt(5.0) - 1.0))  # depth of the largest shear stress over half width
 SHEAR_SHARE = DEPTH_SHARE * (1.0 - DEPTH_SHARE**2)  # largest shear stress over largest pressure

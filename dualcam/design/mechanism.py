@@ -15,7 +15,8 @@ from dualcam.common.arrays import real_array
 from dualcam.common.unit_guards import warn_units
 from dualcam.design.grooves import Groove, Table, both_parameters, curvature
 from dualcam.design.load_law import LoadLaw, friction_under
-from dualcam.design.statics import Array, DesignError, Pair, band, sign_of, transfer
+from dualcam.design.statics import Array, Pair, band, sign_of, transfer
+from dualcam.errors import DesignError
 
 POINTS = 721  # of theta, where a property of the whole range is sought
 END_SLACK = 1e-12  # of an angle: a groove may end that much before a stop, as in the FMU

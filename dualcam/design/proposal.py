@@ -17,8 +17,9 @@ import numpy as np
 from dualcam.design.design import Design
 from dualcam.design.groove_equation import FIRST, GrooveProblem
 from dualcam.design.mechanism import Spring
-from dualcam.design.statics import Array, DesignError
+from dualcam.design.statics import Array
 from dualcam.design.tabulation import tabulate
+from dualcam.errors import DesignError
 
 VARIED = ("preload", "stiffness", "both")
 CANDIDATES = 81

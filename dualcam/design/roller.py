@@ -10,7 +10,8 @@ import math
 from dataclasses import dataclass
 
 from dualcam.common.unit_guards import warn_units
-from dualcam.design.statics import DesignError, check_numbers
+from dualcam.design.statics import check_numbers
+from dualcam.errors import DesignError
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ import numpy as np
 
 from dualcam.design.helical_spring import INDEX, HelicalSpring
 from dualcam.design.spring_steel import DIAMETERS, RANGES, SHEAR_MODULUS, STRENGTHS
-from dualcam.design.statics import DesignError
+from dualcam.errors import DesignError
 
 MOST_COILS = 20.0  # active ones, that are tried
 COIL_STEP = 0.5  # between two numbers of active coils

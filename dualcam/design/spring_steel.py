@@ -14,7 +14,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from dualcam.design.statics import DesignError
+from dualcam.errors import DesignError
 
 STRENGTHS: Mapping[str, tuple[float, float]] = {  # grade -> a, b [MPa] of R_m = a - b lg(d in mm)
     "SL": (1720.0, 660.0),

@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 from dualcam.common.unit_guards import unit_warning, warn_units
 from dualcam.design.hertz import Pin, hertz_pressure
 from dualcam.design.mechanism import POINTS, Mechanism
-from dualcam.design.statics import Array, DesignError
+from dualcam.design.statics import Array
+from dualcam.errors import DesignError
 from dualcam.fmi.variables import parameters_of
 
 JAM = "jam"

@@ -10,9 +10,9 @@ from dualcam.design.groove_equation import groove_problem
 from dualcam.design.grooves import Groove
 from dualcam.design.mechanism import Spring
 from dualcam.design.proposal import VARIED, SpringProposal, propose, with_proposals
-from dualcam.design.statics import DesignError
 from dualcam.design.tabulation import tabulate
 from dualcam.design.torque import WantedTorque
+from dualcam.errors import DesignError
 
 TOLERANCE = 1e-7  # of the torque of the finished table
 

@@ -12,7 +12,8 @@ from dualcam.design.design import Design
 from dualcam.design.groove_equation import GrooveProblem, GrooveSolution
 from dualcam.design.grooves import Groove, Table
 from dualcam.design.mechanism import Mechanism
-from dualcam.design.statics import Array, DesignError
+from dualcam.design.statics import Array
+from dualcam.errors import DesignError
 
 FIRST_INTERVALS = 48
 CLOSEST = 1e-9  # rad between samples; closer ones would have slopes of rounding errors

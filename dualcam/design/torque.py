@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from dualcam.common.arrays import real_array
-from dualcam.design.statics import Array, DesignError
-from dualcam.errors import DualcamWarning
+from dualcam.design.statics import Array
+from dualcam.errors import DesignError, DualcamWarning
 
 Torque = Callable[[Array], Array]  # N.m, at theta [rad], of the shape of theta
 WantedTorque = float | Torque | tuple[ArrayLike, ArrayLike]

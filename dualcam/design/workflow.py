@@ -12,9 +12,9 @@ from dualcam.common.tables import ANGLE_NAMES, TORQUE_NAMES, ColumnKind, TableKi
 from dualcam.design.design import Design
 from dualcam.design.grooves import Groove
 from dualcam.design.mechanism import Spring
-from dualcam.design.statics import Array, DesignError
+from dualcam.design.statics import Array
 from dualcam.design.synthesis import synthesize
-from dualcam.errors import UnitWarning
+from dualcam.errors import DesignError, UnitWarning
 
 TORQUE = TableKind(
     what="torque file",

@@ -12,9 +12,12 @@ docs/design-file.md describes the keys.
 May import common, fmi, design, scenario.
 """
 
+from typing import TYPE_CHECKING
+
+from dualcam.common.moved import old_names
 from dualcam.design_file.argument import DesignSource, as_design
 from dualcam.design_file.design import DesignFile, SpringLimits
-from dualcam.design_file.findings import DesignFileError, Finding
+from dualcam.design_file.findings import Finding
 from dualcam.design_file.reader import read_design
 from dualcam.design_file.schema import json_schema
 from dualcam.design_file.templates import TEMPLATES, write_template
@@ -22,7 +25,6 @@ from dualcam.design_file.templates import TEMPLATES, write_template
 __all__ = [
     "TEMPLATES",
     "DesignFile",
-    "DesignFileError",
     "DesignSource",
     "Finding",
     "SpringLimits",
@@ -31,3 +33,6 @@ __all__ = [
     "read_design",
     "write_template",
 ]
+
+if not TYPE_CHECKING:  # type checkers report the old names
+    __getattr__ = old_names(__name__, {"DesignFileError": "errors.DesignFileError"})

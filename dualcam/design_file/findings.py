@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
-
-from dualcam.errors import DesignError
 
 ERROR, WARNING = "error", "warning"
 
@@ -56,21 +53,3 @@ class Finding:
         """The finding as JSON has it."""
         fields = ("severity", "kind", "key", "value", "line", "text", "change", "nearest")
         return {name: getattr(self, name) for name in fields}
-
-
-class DesignFileError(DesignError):
-    """A design file is refused. The text lists all errors, line by line; `advice` is its last line.
-
-    Attributes
-    ----------
-    findings : tuple of Finding
-        One for each error, in the order of the lines.
-    """
-
-    def __init__(self, path: object, findings: Sequence[Finding], advice: str = "") -> None:
-        self.path = path
-        self.findings = tuple(sorted(findings, key=lambda finding: finding.line or 0))
-        count = len(self.findings)
-        head = f"{path}: {count} error{'s' if count > 1 else ''}"
-        lines = [*map(str, self.findings), *filter(None, [advice])]
-        super().__init__("\n".join([head, *(f"  {line}" for line in lines)]))

@@ -11,14 +11,14 @@ from dualcam.common.groove_laws import TABLE
 from dualcam.common.paths import path_of
 from dualcam.common.unit_guards import table_warnings, unit_warning, units_checked_before
 from dualcam.design_file.design import DesignFile, SpringLimits
-from dualcam.design_file.findings import ERROR, WARNING, DesignFileError, Finding
+from dualcam.design_file.findings import ERROR, WARNING, Finding
 from dualcam.design_file.fmu_tables import fmu_friction, fmu_groove
 from dualcam.design_file.friction_tables import ANALYTIC_FRICTION
 from dualcam.design_file.keys import unknown_key
 from dualcam.design_file.sample_times import sample_times
 from dualcam.design_file.sections import check_section
 from dualcam.design_file.toml_text import line_of, lines_of_keys, parse, read_text
-from dualcam.errors import DualcamError
+from dualcam.errors import DesignFileError, DualcamError
 from dualcam.fmi.variables import all_parameters, inputs_of
 
 ANY_INPUT = ("F_ext",)  # inputs of both models

@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from dualcam.common.paths import near_names
-from dualcam.design_file.findings import ERROR, DesignFileError, Finding
+from dualcam.design_file.findings import ERROR, Finding
+from dualcam.errors import DesignFileError
 
 LARGEST = 4 * 1024 * 1024  # bytes
 DEEPEST = 50  # tables and lists inside one another: readers call themselves for each level

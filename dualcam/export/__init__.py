@@ -13,13 +13,12 @@ from typing import TYPE_CHECKING
 
 from dualcam.common.module_calls import explain_call_of
 from dualcam.common.moved import old_names
-from dualcam.errors import ExportError
 from dualcam.export.exporter import ExportableDesign, export_fmu
 from dualcam.export.names import model_identifier
 
-__all__ = ["ExportError", "ExportableDesign", "export_fmu", "model_identifier"]
+__all__ = ["ExportableDesign", "export_fmu", "model_identifier"]
 
 explain_call_of(__name__)
 
 if not TYPE_CHECKING:  # type checkers report the old names
-    __getattr__ = old_names(__name__, {"Design": "ExportableDesign"})
+    __getattr__ = old_names(__name__, {"Design": "ExportableDesign", "ExportError": "errors.ExportError"})

@@ -2,13 +2,17 @@
 
 Fleet        the instances, with arrays of inputs and outputs
 FleetState   saved states of a fleet
-FleetError   which instances failed, and why
 
 May import common, fmi.
 """
 
-from dualcam.errors import FleetError
+from typing import TYPE_CHECKING
+
+from dualcam.common.moved import old_names
 from dualcam.fleet.fleet import Fleet
 from dualcam.fleet.state import FleetState
 
-__all__ = ["Fleet", "FleetError", "FleetState"]
+__all__ = ["Fleet", "FleetState"]
+
+if not TYPE_CHECKING:  # type checkers report the old names
+    __getattr__ = old_names(__name__, {"FleetError": "errors.FleetError"})

@@ -174,7 +174,9 @@ class Fleet(ProcessBound):
 
     # ---- steps ----
 
-    def step(self, u: ArrayLike, h: float, out: Array | None = None) -> Array:
+    def step(
+        self, u: ArrayLike, step: float | None = None, out: Array | None = None, *, h: float | None = None
+    ) -> Array:
         """One step of all instances.
 
         Parameters
@@ -182,8 +184,8 @@ class Fleet(ProcessBound):
         u : array_like, shape (count, n)
             Inputs in the FMU's units, constant over the step. No copy is made of a C-contiguous array of
             float64. The rows of instances that have failed are not read.
-        h : float
-            Length of the step [s], > 0.
+        step, h : float
+            Length of the step [s], > 0, by either name.
         out : ndarray of float64, shape (count, m), optional
             Where the outputs go. Default: a new array.
 
@@ -200,17 +202,20 @@ class Fleet(ProcessBound):
         FmuError
             A wrong shape or type, or a value that is not finite: no instance made the step.
         """
-        return self._roll(u, (self.count, len(self.inputs)), 1, h, out, (self.count, len(self.outputs)))
+        size = step if h is None else h
+        return self._roll(u, (self.count, len(self.inputs)), 1, size, out, (self.count, len(self.outputs)))
 
-    def rollout(self, u: ArrayLike, h: float, out: Array | None = None) -> Array:
+    def rollout(
+        self, u: ArrayLike, step: float | None = None, out: Array | None = None, *, h: float | None = None
+    ) -> Array:
         """Many steps of all instances, with a history of inputs for each.
 
         Parameters
         ----------
         u : array_like, shape (count, steps, n)
             Inputs in the FMU's units, constant over each step.
-        h : float
-            Length of each step [s], > 0.
+        step, h : float
+            Length of each step [s], > 0, by either name.
         out : ndarray of float64, shape (count, steps, m), optional
             Where the outputs go. Default: a new array.
 
@@ -238,24 +243,25 @@ class Fleet(ProcessBound):
         """
         steps = steps_of(u)
         wanted = (self.count, steps, len(self.inputs))
-        return self._roll(u, wanted, steps, h, out, (self.count, steps, len(self.outputs)))
+        size = step if h is None else h
+        return self._roll(u, wanted, steps, size, out, (self.count, steps, len(self.outputs)))
 
     def _roll(
         self,
         u: ArrayLike,
         shape: tuple[int, ...],
         steps: int,
-        h: float,
+        step: float | None,
         out: Array | None,
         wanted: tuple[int, ...],
     ) -> Array:
         inputs = np.ascontiguousarray(real_array(u, "u", FmuError, shape))
-        is_step = type(h) is float and 0.0 < h < math.inf
-        size = h if is_step else positive_number(h, "h", "a finite number > 0, in s")
+        if type(step) is not float or not 0.0 < step < math.inf:
+            step = positive_number(step, "step", "a finite number > 0, in s")
         outputs = np.empty(wanted) if out is None else output_buffer(out, wanted)
         try:
             self._core.call(
-                "fleet_roll", self._ports_address, pointer_to(inputs), steps, size, pointer_to(outputs)
+                "fleet_roll", self._ports_address, pointer_to(inputs), steps, step, pointer_to(outputs)
             )
         except FleetError as error:
             error.outputs = outputs

@@ -94,26 +94,26 @@ class Fmu(Handle):
         self._instance.exit_initialization()
         self._instance.allow_calls()
 
-    def step(self, size: float) -> None:
+    def step(self, step: float | None = None, *, size: float | None = None) -> None:
         """Advance with the inputs as they were last written.
 
         Parameters
         ----------
-        size : float
-            Length of the step [s], > 0.
+        step, size : float
+            Length of the step [s], > 0, by either name.
 
         Raises
         ------
         FmuError
-            `size` is no finite number > 0, no run has begun, or the FMU refuses the step.
+            `step` is no finite number > 0, no run has begun, or the FMU refuses the step.
         """
         instance = self._instance
-        if type(size) is not float or not 0.0 < size < math.inf:
-            size = positive_number(size, "step size", STEP_SIZES)
-        status = instance.do_step(instance.component, self._time, size, *instance.step_end)
+        if type(step) is not float or not 0.0 < step < math.inf:
+            step = positive_number(size if step is None else step, "step", STEP_SIZES)
+        status = instance.do_step(instance.component, self._time, step, *instance.step_end)
         if status > OK_OR_WARNING:
             instance.check(status, instance.DO_STEP)
-        self._time += size
+        self._time += step
 
 
 class RepeatedStart:
@@ -136,7 +136,7 @@ class RepeatedStart:
 
     Examples
     --------
-    >>> from dualcam import Fmu, RepeatedStart
+    >>> from dualcam.fmi import Fmu, RepeatedStart
     >>> with Fmu("forward") as fmu:
     ...     runs = RepeatedStart(fmu, {"inertia.shaft": 0.01}, ["tau"])
     ...     for torque in (2.0, 5.0):  # N.m

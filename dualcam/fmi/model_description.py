@@ -160,7 +160,7 @@ def read_model_description(path: str | Path) -> ModelDescription:
 
     Examples
     --------
-    >>> from dualcam import fmu_path, read_model_description
+    >>> from dualcam.fmi import fmu_path, read_model_description
     >>> description = read_model_description(fmu_path("forward"))
     >>> description.model_name, description.fmi_version
     ('DualCamForward', '2.0')

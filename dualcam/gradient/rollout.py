@@ -7,12 +7,13 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from types import TracebackType
-from typing import Self
+from typing import NoReturn, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from dualcam.common.arrays import Array, positive_number, real_array
+from dualcam.common.moved import also_called
 from dualcam.common.process_bound import ProcessBound, ProcessLock
 from dualcam.errors import FmuError, UnknownVariableError
 from dualcam.fleet import Fleet
@@ -36,6 +37,10 @@ class Gradient:
     start: Array
     inputs: Array
     parameters: Array
+
+    def __getattr__(self, name: str) -> NoReturn:
+        near = {"u": ": inputs is the gradient by u", "p": ": parameters is the gradient by p"}
+        raise AttributeError(f"a Gradient has no {name}{near.get(name, '')}")
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,7 +98,7 @@ class DifferentiableFleet(ProcessBound):
     ----------
     fmu : "forward", or the path of an FMU of FMI 2.0 that `export_fmu` has made.
     count : Number of instances, > 0.
-    h : Length of each step [s], > 0.
+    step : Length of each step [s], > 0.
     inputs : Of "tau" and "F_ext". Inputs are constant over a step.
     parameters : Tunable parameters by which a run is differentiated.
     values : Start values of other parameters: one value, or an array of shape (count,). Default: the FMU's.
@@ -124,11 +129,12 @@ class DifferentiableFleet(ProcessBound):
 
     _instead = "make a new one there, from the same arguments"
 
+    @also_called(h="step")
     def __init__(
         self,
         fmu: str | Path,
         count: int,
-        h: float,
+        step: float,
         inputs: Sequence[str] = ("tau",),
         parameters: Sequence[str] = (),
         values: Mapping[str, FleetValue] | None = None,
@@ -136,7 +142,7 @@ class DifferentiableFleet(ProcessBound):
         *,
         tolerance: float | None = None,
     ) -> None:
-        self.h = positive_number(h, "h", "a finite number > 0, in s")
+        self._step = positive_number(step, "step", "a finite number > 0, in s")
         self.inputs = tuple(names_of(inputs, "inputs"))
         self.parameters = tuple(names_of(parameters, "parameters"))
         knowns = (*STATES, *self.inputs, *self.parameters)
@@ -234,7 +240,7 @@ class DifferentiableFleet(ProcessBound):
         values |= dict(zip(self.parameters, tuned.T, strict=True))
         with self._lock:
             fleet.reset(parameters=values)
-            return fleet.rollout(u, self.h)
+            return fleet.rollout(u, self._step)
 
 
 def _require_derivatives(

@@ -17,7 +17,7 @@ from dualcam.common.html_page import page, table
 from dualcam.common.paths import page_path_of, write_text
 from dualcam.common.svg import figure_element
 from dualcam.design import TorqueBand, torque_band
-from dualcam.design.torque_band import NOT_LOCKING, span
+from dualcam.design.band import NOT_LOCKING, span
 from dualcam.design_file import as_design
 from dualcam.errors import DualcamError
 from dualcam.plots.design import plot_band, plot_simulation, plot_strength

@@ -23,8 +23,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from dualcam.common.mistakes import StudyError
 from dualcam.common.module_calls import explain_call_of
+from dualcam.common.moved import moved_name
 from dualcam.scenario.scenario import Controller, History, Scenario
 from dualcam.study.plan.correlation import Correlation
 from dualcam.study.plan.plan import Plan
@@ -57,7 +57,6 @@ __all__ = [
     "Results",
     "Scenario",
     "Study",
-    "StudyError",
     "Vary",
     "optimise",
     "read_optimisation",
@@ -81,6 +80,8 @@ if not TYPE_CHECKING:  # type checkers see the imports above, and report other n
     def __getattr__(name: str) -> object:
         from importlib import import_module
 
+        if name == "StudyError":
+            return moved_name(__name__, name, "errors.StudyError", stacklevel=2)
         if name not in _MODULE_OF:
             raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
         value = globals()[name] = getattr(import_module(f"{__name__}.{_MODULE_OF[name]}"), name)

@@ -17,7 +17,8 @@ from pathlib import Path
 
 import numpy as np
 
-from dualcam import Fmu, Reals
+from dualcam import Fmu
+from dualcam.fmi import Reals
 from dualcam.ssp import Value
 from dualcam.ssp.package import split, tag
 

@@ -14,9 +14,11 @@ from mechanisms import INERTIA, LIFT, PRELOAD, RHO, STIFFNESS
 from numpy.polynomial.legendre import leggauss
 from scipy.integrate import quad
 
-from dualcam import CamHysteresis, Fmu, RepeatedStart
-from dualcam.control.linear import OperatingPointError
-from dualcam.errors import LimitCycleWarning
+from dualcam import CamHysteresis, Fmu, linearize
+from dualcam.control import LimitCycles
+from dualcam.control.forward import STATES
+from dualcam.errors import LimitCycleWarning, OperatingPointError
+from dualcam.fmi import RepeatedStart
 
 MIDDLE = 0.7  # rad
 HELD = 0.5 * (RHO[1] + RHO[-1]) * (PRELOAD + STIFFNESS * LIFT * MIDDLE)  # N.m, middle of the band
@@ -34,6 +36,11 @@ def analysed(controller, parameters=None, **options):
     assert all(issubclass(one.category, LimitCycleWarning) for one in caught)
     assert [str(one.message) for one in caught] == list(found.findings)
     return found
+
+
+def values(found):
+    """Of the predicted cycles."""
+    return np.array([(one.amplitude, one.frequency, one.torque, one.stable) for one in found.predicted])
 
 
 # ---- the reference ----
@@ -147,6 +154,145 @@ def test_a_loop_that_rests_has_no_limit_cycle_and_no_warning():
         assert np.ptp(angles[-10_000:]) < 1e-3
 
 
+# ---- controllers of several signals ----
+
+
+def lqi_controller(angle, speed, integral):
+    """From reference, theta and omega; the state is the sum of the errors times the period."""
+    direct = [[angle, -angle, -speed]]
+    names = ["reference", "theta", "omega"]
+    return control.ss(1.0, [[PERIOD, -PERIOD, 0.0]], integral, direct, PERIOD, inputs=names, outputs="tau")
+
+
+def lqi_swings(angle, speed, integral, amplitude, frequency):
+    """Whether a swing goes on, as in `grows`, with the speed fed back. Computed without the package."""
+    error = -amplitude
+    held = HELD + (integral * PERIOD * error / (np.exp(1j * frequency * PERIOD) - 1.0)).imag
+    theta, omega, angles = MIDDLE, amplitude * frequency, np.empty(4000)
+    for k in range(len(angles)):
+        angles[k], error = theta, MIDDLE - theta
+        tau = held + angle * error - speed * omega
+        held += integral * PERIOD * error
+        theta, omega = advance(theta, omega, tau, PERIOD)
+    return np.ptp(angles[-1000:]) > 2.0 * amplitude
+
+
+@pytest.mark.parametrize(
+    "gains", [(50.0, 0.02, 2000.0), (100.0, 0.05, 10000.0), (50.0, -0.02, 1000.0), (20.0, -0.05, 0.0)]
+)
+def test_the_border_of_a_controller_with_an_integral_and_the_speed(gains):
+    (border,) = analysed(lqi_controller(*gains), check=False).predicted
+    assert not border.stable
+    for factor in (0.9, 1.1):
+        swings = lqi_swings(*gains, factor * border.amplitude, border.frequency)
+        assert swings == (factor > 1.0), (factor, border)
+
+
+def test_the_check_runs_a_controller_with_the_speed(slave):
+    """The speed is fed back with the wrong sign; the quadratic damper limits the swing before the stops."""
+    law = lqi_controller(50.0, -0.02, 2000.0)
+    parameters = {"damper.q_load": 2000.0, "damper.q_release": 2000.0, "inertia.follower_mass": 2.0}
+    found = analysed(law, parameters)
+    (cycle,) = [one for one in found.predicted if one.stable]
+    (motion,) = found.simulated
+    measured = swing(stepped(slave, law, parameters, 1.1, 4.0)[-2000:], PERIOD)
+    assert found.holds and (cycle.amplitude, cycle.frequency) == pytest.approx(measured, rel=0.1)
+    assert (motion.amplitude, motion.frequency) == pytest.approx(measured, rel=0.01)
+
+
+def test_names_of_the_inputs():
+    """The same PI controller, from the error, or from reference and measurement."""
+    expected = analysed(pi_controller(50.0, 2000.0), check=False)
+    one = pi_controller(50.0, 2000.0)
+    two = control.ss(1.0, [[2.0, -2.0]], 1.0, [[50.0, -50.0]], PERIOD)
+    for names in (["reference", "theta"], ["error", "reference"], ["reference", "theta", "reference"]):
+        direct = {"error": 50.0, "reference": 50.0, "theta": -50.0}
+        D = np.array([[direct[name] for name in names]])
+        law = control.ss(1.0, D / 25.0, 1.0, D, PERIOD)
+        assert values(analysed(law, check=False, inputs=names)) == pytest.approx(values(expected), rel=1e-6)
+    two.update_names(inputs=["xd[0]", "theta"])
+    assert values(analysed(two, check=False)) == pytest.approx(values(expected), rel=1e-6)
+    parts = [[(sign * control.tf(one)).num[0][0] for sign in (1.0, -1.0)]], [[[1.0, -1.0]] * 2]
+    fractions = control.tf(*parts, PERIOD, inputs=["reference", "theta"])
+    assert values(analysed(fractions, check=False)) == pytest.approx(values(expected), rel=1e-6)
+    one.update_names(inputs="e")
+    assert analysed(one, check=False) == expected == analysed(-one, check=False, inputs="theta")
+
+
+def test_a_controller_by_functions():
+    """Its constants are part of the bias."""
+    law = control.nlsys(
+        lambda t, x, u, params: x + PERIOD * (u[0] - u[1]),
+        lambda t, x, u, params: 3.0 + 2000.0 * x + 50.0 * (u[0] - u[1]) - 0.02 * u[2],
+        states=1,
+        inputs=["reference", "theta", "omega"],
+        outputs="tau",
+        dt=PERIOD,
+    )
+    expected = analysed(lqi_controller(50.0, 0.02, 2000.0), check=False)
+    assert values(analysed(law, check=False)) == pytest.approx(values(expected), rel=1e-6)
+
+
+def test_state_feedback_with_an_integral_of_python_control():
+    """LQI by the linear model rests. Other gains swing as the same controller in other words."""
+    plant = linearize(FORWARD, MIDDLE, at_rest="loading", inputs="tau", outputs=STATES, period=PERIOD)
+    angle, weights = np.array([[1.0, 0.0]]), np.diag([5e3, 5.0, 100.0])
+    best, _, _ = control.dlqr(plant, weights, [[1.0]], integral_action=angle)
+    lqi, law = (
+        control.create_statefbk_iosystem(plant, np.array(gain), integral_action=angle)[0]
+        for gain in (best, [[50.0, 0.02, 2000.0 * PERIOD]])
+    )
+    assert lqi.input_labels == ["xd[0]", "xd[1]", "ud[0]", *STATES]
+    assert analysed(lqi) == LimitCycles((), (), True, ())
+    expected = analysed(lqi_controller(50.0, 0.02, 2000.0), check=False)
+    assert values(analysed(law, check=False)) == pytest.approx(values(expected), rel=1e-6)
+
+
+def test_controllers_that_have_other_signals_are_refused():
+    hysteresis = CamHysteresis(FORWARD, MIDDLE)
+    gains = {n: control.ss([], [], [], np.ones((1, n)), PERIOD) for n in (1, 2, 3)}
+    with refused("2 inputs, named u.0., u.1.", "error", "theta", "omega", 'inputs=."reference", "theta".'):
+        hysteresis.limit_cycles(gains[2])
+    for count, names in (
+        (2, ["theta"]),
+        (1, "omega"),
+        (1, "reference"),
+        (2, ["theta", "speed"]),
+        (3, None),
+        (1, 3),
+    ):
+        with refused(f"{count} inputs, named", "allowed are"):
+            hysteresis.limit_cycles(gains[count], inputs=names)
+    with refused("2 outputs", "without the cam", "one output, the torque"):
+        hysteresis.limit_cycles(control.ss([], [], [], np.ones((2, 1)), PERIOD))
+    improper = control.tf([[[1.0], [1.0, 1.0, 0.0]]], [[[1.0, 2.0], [1.0, 3.0]]], PERIOD)
+    with refused("cannot write with states", "degree"):
+        hysteresis.limit_cycles(improper, inputs=["reference", "theta"])
+    with refused("finite numbers"):
+        hysteresis.limit_cycles(math.nan * gains[2], inputs=["reference", "theta"])
+    nonlinear = control.nlsys(None, lambda t, x, u, p: np.clip(u[:1], -1, 1), inputs=1, outputs=1, dt=PERIOD)
+    with refused("NonlinearIOSystem", "not linear", "control.linearize"):
+        hysteresis.limit_cycles(nonlinear)
+
+
+def test_an_unstable_controller_of_two_signals_is_said_to_be_one():
+    law = control.ss(1.5, [[0.0, 1.0]], 1.0, [[50.0, -50.0]], PERIOD, inputs=["reference", "theta"])
+    found = analysed(law)
+    assert found.holds is False and "pole of magnitude 1.5, allowed" in found.findings[-1]
+
+
+def test_a_swing_that_still_grows_is_said_to_grow():
+    """Without friction the loop is linear: the swing grows as exp(t/20 s), and passes no stop in 20 s."""
+    gain, seconds = 5.0, 20.0
+    damping = 0.5 * gain * PERIOD - 2.0 * INERTIA / seconds  # less than what the hold takes away
+    none = {"cam1.friction": 0.0, "cam2.friction": 0.0, "shaft.damping": damping}
+    found = analysed(control.ss([], [], [], gain, PERIOD), none, duration=seconds)
+    (text,) = [text for text in found.findings if "still grows after 20 s" in text]
+    assert not found.holds and "A longer duration" in text
+    low, high = map(float, re.search(r"0.665 rad \(([\d.]+) to ([\d.]+) rad at the end", text).groups())
+    assert 0.5 * (high - low) == pytest.approx(0.035 * math.e, rel=0.01)
+
+
 # ---- limit cycles ----
 
 
@@ -156,10 +302,12 @@ def stepped(fmu, controller, parameters, theta, seconds):
     bias = float(np.mean(CamHysteresis(FORWARD, MIDDLE, parameters=parameters).band(MIDDLE)))
     fmu.start(parameters | {"initial.theta": theta, "tau": bias})
     for _ in range(round(seconds / PERIOD)):
-        error = MIDDLE - fmu.real("theta")
-        angles.append(MIDDLE - error)
-        fmu.set("tau", bias + float(system.C[0] @ x) + system.D[0, 0] * error)
-        x = system.A @ x + system.B[:, 0] * error
+        angles.append(fmu.real("theta"))
+        inputs = [MIDDLE - angles[-1]]
+        if system.ninputs == 3:
+            inputs = [MIDDLE, angles[-1], fmu.real("omega")]
+        fmu.set("tau", bias + float(system.C[0] @ x + system.D[0] @ inputs))
+        x = system.A @ x + system.B @ inputs
         fmu.step(PERIOD)
     return np.array(angles)
 
@@ -300,8 +448,6 @@ def test_refused():
         hysteresis.limit_cycles(control.tf([1.0, 2.0], [1.0, 0.0]))
     with refused("dt = None", "sampled controller"):
         hysteresis.limit_cycles(control.ss(1.0, 1.0, 1.0, 1.0, None))
-    with refused("2 inputs"):
-        hysteresis.limit_cycles(control.ss([], [], [], [[1.0, 1.0]], PERIOD))
     for duration in (0.0, math.nan, "10"):
         with refused("duration"):
             hysteresis.limit_cycles(pi_controller(5.0, 20.0), duration=duration)

@@ -85,6 +85,10 @@ def test_in_the_dead_band_nothing_moves():
     assert hysteresis.natural_frequency(INERTIA) == pytest.approx(
         math.sqrt(RHO[+1] * STIFFNESS * LIFT / INERTIA), rel=1e-9
     )
+    assert hysteresis.natural_frequency() == pytest.approx(hysteresis.natural_frequency(INERTIA), rel=1e-9)
+    for inertia in (0.0, math.nan, "2e-3"):
+        with pytest.raises(ValueError, match=r"inertia = .*: allowed is"):
+            hysteresis.natural_frequency(inertia)
     with pytest.raises(ValueError, match="amplitude"):
         hysteresis.describing_function(-1.0)
 

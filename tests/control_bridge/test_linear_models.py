@@ -11,8 +11,7 @@ from mechanisms import ELLIPSES, GROOVES, INERTIA, LIFT, RHO, STIFFNESS
 from numpy.polynomial import Chebyshev
 
 import dualcam
-from dualcam import OperatingPointError
-from dualcam.errors import DualcamWarning
+from dualcam.errors import DualcamWarning, OperatingPointError
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*no equilibrium")
 

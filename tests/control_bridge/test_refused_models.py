@@ -8,7 +8,8 @@ import pytest
 from control_cases import FORWARD, INVERSE, LOCKING, PERIOD, UPPER, refused
 
 import dualcam
-from dualcam import CamHysteresis, OperatingPointError
+from dualcam import CamHysteresis
+from dualcam.errors import OperatingPointError
 
 
 def test_bad_signal_names():

@@ -8,7 +8,7 @@ import pytest
 from driver import models
 from mechanisms import FOLLOWER, FORCES, LIFT, PRELOAD, RHO, STIFFNESS
 
-from dualcam import FmuError
+from dualcam.errors import FmuError
 
 FORWARD, INVERSE = (model.fmu for model in models.values())
 PERIOD = 1e-3

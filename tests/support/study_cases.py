@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from driver import models
 
-from dualcam.study import Controller, History, Plan, Scenario, Study, StudyError, Vary, read_results
+from dualcam.errors import StudyError
+from dualcam.study import Controller, History, Plan, Scenario, Study, Vary, read_results
 from dualcam.study.run.runner import Runner
 
 FORWARD, INVERSE = (model.fmu for model in models.values())

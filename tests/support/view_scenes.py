@@ -19,8 +19,10 @@ from typing import Any
 import numpy as np
 from driver import ROOT
 
-from dualcam import Fmu, FmuError, fmu_path, read_model_description
+from dualcam import Fmu, fmu_path
 from dualcam.common.groove_laws import LAWS
+from dualcam.errors import FmuError
+from dualcam.fmi import read_model_description
 from dualcam.fmi.library import MODELS, web_path
 
 SUPPORT = ROOT / "tests/support"
@@ -298,7 +300,7 @@ def numbers(results: Results, model: str = "forward") -> np.ndarray:
 
 
 def refusals(results: Results) -> list[tuple[int, str]]:
-    """Place and text of each refusal. dualcam.FmuError adds words around the FMU's text."""
+    """Place and text of each refusal. dualcam.errors.FmuError adds words around the FMU's text."""
     return [(k, row["refused"]) for k, row in enumerate(results) if isinstance(row, dict)]
 
 

@@ -27,7 +27,9 @@ from benchmarks.harness import core, pictures
 from benchmarks.harness import results as harness
 from benchmarks.harness.circumstances import circumstances
 from benchmarks.harness.repository import DOCS, VERIFICATION
-from dualcam import CamHysteresis, Fmu, LimitCycle, LimitCycleWarning
+from dualcam import CamHysteresis, Fmu
+from dualcam.control import LimitCycle
+from dualcam.errors import LimitCycleWarning
 
 Array = NDArray[np.float64]
 Values = dict[str, float | int]

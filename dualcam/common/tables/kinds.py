@@ -12,10 +12,6 @@ ANGLE_NAMES = ("theta", "psi", "angle", "position", "winkel")
 TORQUE_NAMES = ("tau", "torque", "moment", "drehmoment")
 
 
-class TableError(DualcamError):
-    """A table cannot be understood; the message names line, column and what is allowed."""
-
-
 @dataclass(frozen=True)
 class ColumnKind:
     """One column of a table.

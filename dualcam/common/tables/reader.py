@@ -20,7 +20,7 @@ from dualcam.common.tables.header import (
     without_separator_line,
     words_above_numbers,
 )
-from dualcam.common.tables.kinds import TableError, TableKind
+from dualcam.common.tables.kinds import TableKind
 from dualcam.common.tables.rows import (
     cells_of,
     has_decimal_comma,
@@ -33,7 +33,7 @@ from dualcam.common.tables.rows import (
 from dualcam.common.tables.text import Lines, decoded_text, lines_of
 from dualcam.common.tables.units import UNITS, in_unit
 from dualcam.common.unit_guards import unit_warning
-from dualcam.errors import UnitWarning
+from dualcam.errors import TableError, UnitWarning
 
 NAME_AND_UNIT = re.compile(r"(\S.*?)\s+[\[(]\s*([^\])]+?)\s*[\])]")  # der(x) and x[1] have no unit
 Converter = Callable[[str, str, Array], Array]  # name, unit, values in the unit -> values

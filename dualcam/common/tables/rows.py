@@ -12,8 +12,8 @@ from typing import NoReturn
 import numpy as np
 
 from dualcam.common.arrays import Array
-from dualcam.common.tables.kinds import TableError
 from dualcam.common.tables.text import Line, Lines
+from dualcam.errors import TableError
 
 SEPARATORS = {";": "semicolons", "\t": "tabs", ",": "commas", " ": "spaces"}
 NUMBER = re.compile(r"[+-]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eE][+-]?\d+)?")

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
-from dualcam.common.tables.kinds import TableError
+from dualcam.errors import TableError
 
 LARGEST = 2**30  # bytes
 MARKS = {b"\xff\xfe": "utf-16", b"\xfe\xff": "utf-16"}  # first bytes of an encoding

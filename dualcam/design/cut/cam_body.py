@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from dualcam.design.cut.groove_cut import GrooveCut
-from dualcam.design.statics import Array, DesignError
+from dualcam.design.statics import Array
+from dualcam.errors import DesignError
 
 RADII = 9  # cylinders between floor and outer surface on which the flanks are checked
 

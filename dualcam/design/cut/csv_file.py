@@ -13,7 +13,8 @@ from dualcam.common.unit_guards import units_checked_before
 from dualcam.design.cut.groove_cut import GrooveCut
 from dualcam.design.cut.sampling import MOST_POINTS, SHARES, places, wrapped
 from dualcam.design.grooves import Table
-from dualcam.design.statics import Array, DesignError
+from dualcam.design.statics import Array
+from dualcam.errors import DesignError
 
 INTERVALS = 128  # between the stops, at least
 TABLE_ERROR = 1e-10  # m between the groove and the curve of the FMU through the points

@@ -12,7 +12,8 @@ from dualcam.common.paths import whole_file
 from dualcam.design.cut.groove_cut import Curve, GrooveCut
 from dualcam.design.cut.labels import AXIS_LABEL, ZERO_LABEL, cut_label
 from dualcam.design.cut.sampling import CHORD_ERROR, places, unwrapped
-from dualcam.design.statics import Array, DesignError
+from dualcam.design.statics import Array
+from dualcam.errors import DesignError
 
 if TYPE_CHECKING:
     from ezdxf.document import Drawing

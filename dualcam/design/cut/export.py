@@ -13,8 +13,7 @@ from dualcam.design.cut.groove_cut import GrooveCut
 from dualcam.design.cut.solid import require_kernel
 from dualcam.design.cut.step_file import write_step
 from dualcam.design.mechanism import Mechanism
-from dualcam.design.statics import DesignError
-from dualcam.errors import DualcamWarning
+from dualcam.errors import DesignError, DualcamWarning
 
 ROUNDING = 1e-9  # relative; walls that touch do not overlap
 ENDINGS = (".csv", ".dxf", ".step", ".stp")

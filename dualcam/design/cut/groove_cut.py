@@ -15,7 +15,8 @@ from dualcam.common.unit_guards import warn_units
 from dualcam.design.cut.pin_section import contact, contact_turn, section, section_radius
 from dualcam.design.grooves import Groove, Point
 from dualcam.design.mechanism import POINTS, Mechanism
-from dualcam.design.statics import Array, DesignError
+from dualcam.design.statics import Array
+from dualcam.errors import DesignError
 
 LEAST_TRAVEL = 1e-6  # rad
 ROTATIONS = {"counterclockwise": 1, "clockwise": -1}  # of cam 2 while loading, seen from +z

@@ -7,7 +7,8 @@ from collections.abc import Callable
 import numpy as np
 
 from dualcam.design.cut.groove_cut import Curve, GrooveCut
-from dualcam.design.statics import Array, DesignError
+from dualcam.design.statics import Array
+from dualcam.errors import DesignError
 
 CHORD_ERROR = 0.5e-6  # m between a curve and the straight line between two of its points
 SHARES = np.array([0.12, 0.31, 0.5, 0.69, 0.88])  # of an interval, where the error is measured

@@ -17,7 +17,8 @@ import numpy as np
 from dualcam.design.cut.cam_body import CamBody
 from dualcam.design.cut.groove_cut import Curve, GrooveCut
 from dualcam.design.cut.sampling import SHARES, in_space
-from dualcam.design.statics import Array, DesignError
+from dualcam.design.statics import Array
+from dualcam.errors import DesignError
 
 if TYPE_CHECKING:
     from OCP.Geom import Geom_BSplineSurface

@@ -10,7 +10,7 @@ from dualcam.design.cut.cam_body import CamBody
 from dualcam.design.cut.groove_cut import GrooveCut
 from dualcam.design.cut.labels import ZERO_LABEL, cut_label
 from dualcam.design.cut.solid import cam_solid, require_kernel
-from dualcam.design.statics import DesignError
+from dualcam.errors import DesignError
 
 
 def write_step(cut: GrooveCut, body: CamBody, path: Path) -> None:

@@ -14,7 +14,8 @@ from numpy.typing import ArrayLike, NDArray
 from dualcam.common.arrays import real_array
 from dualcam.common.groove_laws import GrooveLaw
 from dualcam.common.unit_guards import unit_warning
-from dualcam.design.statics import Array, DesignError
+from dualcam.design.statics import Array
+from dualcam.errors import DesignError
 
 Numbers = Any  # a number or an array, also of complex numbers
 

@@ -18,8 +18,8 @@ from dualcam.common.tables import GROOVE_HEADER, fmu_text
 from dualcam.common.unit_guards import table_warnings, units_checked_before
 from dualcam.design.groove_files import read_groove
 from dualcam.design.grooves.groove import Point, check_radius
-from dualcam.design.statics import Array, DesignError
-from dualcam.errors import UnitWarning
+from dualcam.design.statics import Array
+from dualcam.errors import DesignError, UnitWarning
 
 STENCIL = 5  # samples that a table's slope at a sample comes from
 

@@ -11,7 +11,8 @@ import numpy as np
 
 from dualcam.common.arrays import TRUTH, Array, real_array
 from dualcam.common.mistakes import StudyError
-from dualcam.common.tables import Converter, TableError, read_columns
+from dualcam.common.tables import Converter, read_columns
+from dualcam.errors import TableError
 from dualcam.study.plan.texts import GivenTexts
 from dualcam.study.plan.vary import Vary
 

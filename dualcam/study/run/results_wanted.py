@@ -1,6 +1,6 @@
 """What comes out of a run: values at an instant, series, extremes, integrals, and formulas over them.
 
-    theta                           at the end of the run
+    theta, theta@end                at the end of the run
     theta@0.2                       at 0.2 s
     series(theta, every=0.01)       at 0, 0.01, 0.02 s, ... and at the end
     series(theta, at=[0.1, 0.2])    at these times
@@ -37,6 +37,7 @@ ONE_AND_NUMBER = re.compile(r"\w+\s*\(\s*[A-Za-z_][\w.]*\s*,\s*[\d.eE+-]+\s*\)")
 INNER = re.compile(  # one that stands in a formula
     r"\b(max|min|mean|integral)\(\s*([A-Za-z_][\w.]*)\s*,\s*(every|count|at)\s*=\s*(\[[^\]]*\]|[^,()\s]+)\s*\)"
 )
+AT_END = re.compile(r"`?([A-Za-z_][\w.\[\],]*)@end\b`?")
 NAMED = re.compile(r"([^=<>!`@()]+?)\s*=(?!=)\s*(.+)")
 RESERVED = ("run", "message")
 
@@ -111,6 +112,8 @@ class Readings:
         name, body = _split(text)
         if name in (*self._varied, *RESERVED):
             raise StudyError(f"{name} is the name of another column: give another name")
+        if "@end" in body:
+            return self._of_formula(name or text, AT_END.sub(r"`\1`", body), stop)
         if call := _sampling(body):
             return _sampled(name or text, call, stop)
         if name:

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
 
-from dualcam.common.moved import old_names
+from dualcam.common.moved import also_called, old_names
 from dualcam.design.statics import Array
 from dualcam.fmi.fmu import Fmu, Scalar
 from dualcam.systems.blocks.current_loop import CurrentLoop, MotorPeriod
@@ -82,12 +82,12 @@ class CamGear(NamedTuple):
         return self.offset + theta / self.ratio
 
 
-def angle_amid(angle: Number, speed: Number, size: float) -> Number:
+def angle_amid(angle: Number, speed: Number, step: float) -> Number:
     """The angle [rad] at half of a step, at which a load acts that is held over the step.
 
-    `angle`, `speed`: state at the beginning of the step [rad, rad/s]. `size`: length of the step [s].
+    `angle`, `speed`: state at the beginning of the step [rad, rad/s]. `step`: length of the step [s].
     """
-    return angle + 0.5 * size * speed
+    return angle + 0.5 * step * speed
 
 
 class CamAxis:
@@ -130,16 +130,17 @@ class CamAxis:
         self.fmu.start({**parameters, **state})
         self._read_state()
 
-    def step(self, torque: float, load: Load, size: float) -> float:
+    @also_called(size="step")
+    def step(self, torque: float, load: Load, step: float) -> float:
         """Advance by a step under the motor's torque and the load. Returns the torque of the load [N.m].
 
         Both torques are held over the step, the load's at the angle that the axis reaches at half of the
-        step. `torque` of the motor on the axis [N.m]. `load` on the axis. `size`: length of the step [s].
+        step. `torque` of the motor on the axis [N.m]. `load` on the axis. `step`: length of the step [s].
         FmuError: the FMU refuses the step.
         """
-        load_torque = load.torque(angle_amid(self.angle, self.speed, size))
+        load_torque = load.torque(angle_amid(self.angle, self.speed, step))
         self.set_torque(torque + load_torque)
-        self.advance(size)
+        self.advance(step)
         return load_torque
 
     def set_torque(self, torque: float) -> None:
@@ -151,16 +152,17 @@ class CamAxis:
         """The angular acceleration of the axis now [rad/s2]."""
         return self._alpha.read()[0] / self.gear.ratio
 
-    def advance(self, size: float, derivatives: tuple[float, ...] = ()) -> None:
+    @also_called(size="step")
+    def advance(self, step: float, derivatives: tuple[float, ...] = ()) -> None:
         """Advance by a step. The torque is held, or a polynomial of time.
 
-        `size`: length of the step [s]. `derivatives`: first, second and third time derivative of the torque
+        `step`: length of the step [s]. `derivatives`: first, second and third time derivative of the torque
         at the beginning of the step [N.m/s, N.m/s2, N.m/s3], as many as there are. Empty: the torque is held.
         FmuError: the FMU refuses the step.
         """
         for order, derivative in enumerate(derivatives, start=1):
             self._tau.write_derivatives(order, [self.gear.cam_torque(derivative)])
-        self.fmu.step(size)
+        self.fmu.step(step)
         self._read_state()
 
     def ledger(self) -> Array:

@@ -7,6 +7,7 @@ from typing import Protocol, Self
 
 import numpy as np
 
+from dualcam.common.moved import also_called
 from dualcam.design.statics import Array
 from dualcam.fleet import Fleet
 from dualcam.fleet.values import FleetValue
@@ -74,14 +75,15 @@ class AxisBank:
         self._fleet.reset(parameters={**parameters, "initial.theta": angle, "initial.omega": speed})
         self.angle, self.speed = angle, speed
 
-    def step(self, torque: Array, loads: Loads, size: float) -> None:
+    @also_called(size="step")
+    def step(self, torque: Array, loads: Loads, step: float) -> None:
         """One step of all axes, with torques that are constant over the step.
 
         `torque`: torques of the motors [N.m], shape (count,). `loads`: the loads, held over the step at the
-        angle amid the step. `size`: length of the step [s]. FleetError: the FMU refuses the step of an axis.
+        angle amid the step. `step`: length of the step [s]. FleetError: the FMU refuses the step of an axis.
         """
-        self._tau[:, 0] = torque + loads.torque(angle_amid(self.angle, self.speed, size))
-        self._read(self._fleet.step(self._tau, size, self._state))
+        self._tau[:, 0] = torque + loads.torque(angle_amid(self.angle, self.speed, step))
+        self._read(self._fleet.step(self._tau, step, self._state))
 
     def _read(self, state: Array) -> None:
         self.angle, self.speed = state.T.copy()

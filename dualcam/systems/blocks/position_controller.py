@@ -15,6 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dualcam.common.moved import also_called
 from dualcam.systems.blocks.gravity import GravityLoad
 from dualcam.systems.blocks.helical_cam import HelicalCam, holding_torque
 
@@ -31,6 +32,7 @@ class Gains(NamedTuple):
     integral: float
 
 
+@also_called(dt="period")
 def lqi_gains(bandwidth: float, period: float) -> Gains:
     """Gains of a double integrator theta'' = u, sampled, for every inertia M: torque = M u.
 
@@ -79,6 +81,7 @@ class RestLimits:
     margin: float
 
 
+@also_called(dt="period")
 @dataclass(eq=False)
 class PositionController:
     """LQI with feed-forward, and rest inside the stick band, from a model of the joint.

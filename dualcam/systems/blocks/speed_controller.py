@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Protocol
 
+from dualcam.common.moved import also_called
 from dualcam.systems.blocks.gravity import GravityLoad
 from dualcam.systems.blocks.helical_cam import holding_torque
 
@@ -22,6 +23,7 @@ class HoldingCam(Protocol):
         ...
 
 
+@also_called(dt="period")
 @dataclass(eq=False)
 class SpeedController:
     """PI on speed with feed-forward of inertia, load, friction and damper, from a model of the plant. The

@@ -21,7 +21,8 @@ import numpy as np
 
 from dualcam.design.hertz import Pin, relative_radius
 from dualcam.design.mechanism import POINTS, Mechanism, check_pair
-from dualcam.design.statics import Array, DesignError
+from dualcam.design.statics import Array
+from dualcam.errors import DesignError
 
 if TYPE_CHECKING:
     from scipy.interpolate import CubicSpline
