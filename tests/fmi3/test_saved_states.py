@@ -130,7 +130,7 @@ class Run(ctypes.Structure):
 
 
 HEADER, CHECKSUM = 4 * 8 + 64, 3 * 8  # bytes before the snapshot; place of the checksum
-RADIUS, TOLERANCE = HEADER + 8, HEADER + 8 + 46 * 8  # of cam 1, of the run: places in the snapshot
+RADIUS, TOLERANCE = HEADER + 8, HEADER + 8 + 50 * 8  # of cam 1, of the run: places in the snapshot
 STATE = {FORWARD: State, INVERSE: InverseState}
 BAD_RUN = [
     ("interface_type", 70),
