@@ -41,20 +41,5 @@ Breakpoint breakpoint_ahead(const SlipMode *slip, double theta) {
 }
 
 double breakpoint_time(const SlipMode *slip, const Balance *start, const Breakpoint *breakpoint) {
-    const double distance = breakpoint_aim(breakpoint);
-    const double speed = slip->direction * start->omega, alpha = slip->direction * start->alpha;
-    double t = ballistic_time(speed, alpha, distance);
-    if (slip->regime == REGIME_RATE_INDEPENDENT) return t;
-    const RightHandSide *p = &start->rhs;
-    const double rate = slip->direction * (p->by_time + p->by_theta * start->omega + p->by_omega * start->alpha);
-    const bool inertial = slip->regime == REGIME_INERTIAL;
-    const double growth = inertial ? alpha : rate, jerk = inertial ? rate : 0.0;
-    for (int n = 0; n < 2 && t < INFINITY; n++) {
-        const double missed = distance - t * (speed + t / 2.0 * (growth + t / 3.0 * jerk));
-        const double arrival = speed + t * (growth + t / 2.0 * jerk);
-        const double next = t + missed / arrival;
-        if (!(fabs(next - t) < BREAKPOINT_TIME_CHANGE * t)) break;
-        t = next;
-    }
-    return t;
+    return ballistic_time(slip->direction * start->omega, slip->direction * start->alpha, breakpoint_aim(breakpoint));
 }

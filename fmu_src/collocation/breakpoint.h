@@ -25,8 +25,7 @@ static inline double breakpoint_limit(const Breakpoint *breakpoint) {
     return breakpoint->distance + breakpoint->overshoot;
 }
 
-/* Time to that aim, s. The right-hand side is taken to grow at a constant rate, so that most steps that aim at the
- * breakpoint end there. */
+/* Time to that aim under constant acceleration, s. */
 double breakpoint_time(const SlipMode *slip, const Balance *start, const Breakpoint *breakpoint);
 
 /* Time over `distance`, rad, under constant acceleration, s; infinite if the distance is never covered. speed and alpha

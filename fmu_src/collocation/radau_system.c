@@ -217,14 +217,6 @@ static SmallCorrection small_correction(const RadauSystem *s) {
     };
 }
 
-/* Where friction varies, in a stiff step: the balances at the nodes of the last iterate. */
-static void settle_nodes(RadauSystem *s, Balance node[RADAU_MAX]) {
-    radau_system_place_nodes(s);
-    for (int i = 0; i < s->method->stages; i++)
-        balance_set_motion(s->slip, s->start->theta + s->dtheta[i], s->omega[i], is_inertial(s) ? s->y[i] : 0.0,
-                           &node[i]);
-}
-
 /* Newton's method with new derivatives until only a correction of a correction is left. An iteration whose corrections
  * no longer shrink has reached the rounding of the forces. */
 static bool solve_for_nodes(RadauSystem *s, NewtonMatrix *newton, Balance node[RADAU_MAX]) {
@@ -247,9 +239,7 @@ static bool solve_for_nodes(RadauSystem *s, NewtonMatrix *newton, Balance node[R
 
 bool radau_system_solve(RadauSystem *s, Balance node[RADAU_MAX]) {
     NewtonMatrix newton;
-    if (!solve_for_nodes(s, &newton, node)) return false;
-    if (s->slip->friction_varies && !(is_inertial(s) && newton.by_series)) settle_nodes(s, node);
-    return true;
+    return solve_for_nodes(s, &newton, node);
 }
 
 /* ---- the edge of the stick band ---- */

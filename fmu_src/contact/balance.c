@@ -209,33 +209,6 @@ void balance_at(const SlipMode *slip, double theta, double omega, double t, Bala
     b->x[1] = (k->factors.rn[0].value * load.axial + k->factors.d[0].value * load.moment) * inverse;
 }
 
-/* x_i from two of the three equations d_1 x_1 + d_2 x_2 = A, r_1 n_1 x_1 = T - W, r_2 n_2 x_2 = T. Near a jam Delta,
- * the determinant of the axial balance and the difference of the moments, is small; the determinant P of both moments
- * is small where a contact is about to lock. The larger one, as a share of its terms, loses fewer digits. */
-static void solve_loads(const DualContactFactors *f, Loads load, double torque, double x[2]) {
-    const double rn[2] = {f->rn[0].value, f->rn[1].value}, d[2] = {f->d[0].value, f->d[1].value};
-    const double delta_terms = fabs(d[0] * rn[1]) + fabs(rn[0] * d[1]);
-    const double p_terms = (fabs(rn[0]) + fabs(d[0])) * (fabs(rn[1]) + fabs(d[1]));
-    if (fabs(f->delta.value) * p_terms >= fabs(f->p.value) * delta_terms) {
-        x[0] = (rn[1] * load.axial - d[1] * load.moment) / f->delta.value;
-        x[1] = (rn[0] * load.axial + d[0] * load.moment) / f->delta.value;
-    } else {
-        x[0] = (torque - load.moment) / rn[0];
-        x[1] = torque / rn[1];
-    }
-}
-
-void balance_set_motion(const SlipMode *slip, double theta, double omega, double alpha, Balance *b) {
-    SlipCoefficients storage;
-    const SlipCoefficients *k = slip_coefficients_at(slip, theta, omega, b->F_ext, &storage, &b->z);
-    b->theta = theta;
-    b->omega = omega;
-    b->alpha = alpha;
-    const Loads load = describe(slip, k, b);
-    const double torque = b->tau - slip->params->shaft.damping * omega - slip->params->inertia.shaft * alpha;
-    solve_loads(&k->factors, load, torque, b->x);
-}
-
 /* Friction heat: mu_i |R_i| times the sliding speed (docs/mechanism.md, section 4). */
 Booking balance_power(const SlipMode *slip, const Balance *balance) {
     const double omega = balance->omega, v = balance->dz_dtheta * omega;

@@ -45,11 +45,6 @@ typedef struct {
 /* The balance at time t after `inputs`. Without inertia `omega` is not used: the balance finds the speed. */
 void balance_at(const SlipMode *slip, double theta, double omega, double t, Balance *out);
 
-/* With inertia: sets motion and loads of `balance` to those of an acceleration found already, at the same time and
- * inputs. Its right-hand side stays. In a stiff step the right-hand side differs from the acceleration of the solution
- * by the last correction times the stiffness, and loads from the right-hand side would miss the balance of energy. */
-void balance_set_motion(const SlipMode *slip, double theta, double omega, double alpha, Balance *balance);
-
 /* Where friction varies: the share, above 0 and at most 1, of the way between two balances at which a step is
  * to end. */
 double balance_friction_share(const SlipMode *slip, const Balance *from, const Balance *to);

@@ -236,9 +236,6 @@ static const double BREAKPOINT_KNOT_OVERSHOOT = 0.03;
 /* At a table knot along the edge of the stick band, which may have its fold there. */
 static const double BREAKPOINT_EDGE_OVERSHOOT = 1e-10;
 
-/* Share of the time to a breakpoint by which its improvement may change it: beyond, a cubic is not the motion. */
-static const double BREAKPOINT_TIME_CHANGE = 0.1;
-
 /* Step control */
 /* h over the time scale of the motion below which three, or five, stages suffice; and the tolerance above which a step
  * never starts with seven stages. */
