@@ -21,6 +21,8 @@ from dualcam.design_file import DesignFile, Finding
 from dualcam.errors import DesignError
 
 OF_GROOVES = ("jam", "level", "self-locking", "lead angle", "undercut", "contact pressure")  # kinds
+EQUAL_RADII = "equal radii"  # a kind: a design that is run only may have them
+SAME_RADIUS = 1e-9  # relative difference of radii below which both count as equal
 
 
 def swap_warning(design: DesignFile, errors: Iterable[str]) -> Finding | None:
@@ -57,6 +59,7 @@ def troubles(design: DesignFile, locate: bool = True) -> list[Trouble]:
         _start,
         _imposed,
         _pin_in_cam,
+        _equal_radii,
     )
     found += [trouble for rule in more for trouble in rule(design, mechanism)]
     return [*found, *durability(design, mechanism, propose=locate)]
@@ -190,6 +193,27 @@ def _pin_in_cam(design: DesignFile, mechanism: Mechanism) -> list[Trouble]:
         f" {1e3 * radius:.6g} mm; is the unit of one of both wrong?"
     )
     return [Trouble(finding_of(design, "pin in cam", "pin.radius", text), (Remedy("pin.radius", 1e-6),))]
+
+
+def _equal_radii(design: DesignFile, mechanism: Mechanism) -> list[Trouble]:
+    """Cams of one radius: the wall of each reaches half the pin's width below and above the radius."""
+    inner, outer = sorted(mechanism.radius)
+    if outer - inner > SAME_RADIUS * outer:
+        return []
+    radius = 1e3 * outer
+    walls, apart = "the walls of cam 1 and cam 2", "by wall and clearance, at least the pin's width"
+    if design.pin is not None:
+        half = 500.0 * design.pin.width
+        wall = f"(radius {radius - half:.6g} to {radius + half:.6g} mm)"
+        walls = f"the walls of cam 1 {wall} and cam 2 {wall}"
+        apart = f"by wall and clearance, at least pin.width = {2.0 * half:.6g} mm"
+    text = (
+        f"cam1.radius = cam2.radius = {radius:.6g} mm: equal radii cannot be built, because {walls} overlap"
+        f" and the cams cannot stand inside one another. Give the cams radii that differ {apart}."
+        f" Equal grooves with radii of {0.75 * radius:.4g} and {1.5 * radius:.4g} mm have the same torque and"
+        " stroke"
+    )
+    return [Trouble(finding_of(design, EQUAL_RADII, "cam2.radius", text, WARNING))]
 
 
 def _start(design: DesignFile, mechanism: Mechanism) -> list[Trouble]:

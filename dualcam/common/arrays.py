@@ -14,6 +14,7 @@ Array = NDArray[np.float64]
 REAL = "fiu"  # kinds of NumPy's types
 TIME, TRUTH = REAL + "m", REAL + "b"
 PLAIN = frozenset((np.ndarray, np.float64, float, int, list, tuple))  # types without units and masks
+BOOLEANS, NUMBERS = frozenset((bool, np.bool_)), frozenset((float, int, np.float64))
 CARRIES_UNIT = ("magnitude", "to_value")  # attributes of the quantities of pint, astropy and unyt
 SECOND = np.timedelta64(1, "s")
 REMEDIES = {  # kind of NumPy's types -> what to do
@@ -68,6 +69,8 @@ seconds they are: t / np.timedelta64(1, 's')
         given = np.asarray(values)
     except Exception as reason:  # rows of different lengths; types of other packages have errors of their own
         raise error(f"{name} is no array of real numbers: {reason}") from None
+    if given.dtype.kind in REAL and "b" not in kinds and _has_boolean(values):
+        raise error(f"{name} has elements of type {_type_of(np.empty(0, bool))}")
     if given.dtype.kind not in kinds:
         raise error(f"{name} has elements of type {_type_of(given)}")
     if shape is not None and given.shape != shape:
@@ -81,6 +84,16 @@ def _refuse_what_arrays_leave_out(values: ArrayLike, name: str, error: type[Dual
         raise error(f"{name} = {values!r:.80} has a unit: allowed are real numbers in the documented unit")
     if np.ma.is_masked(values):
         raise error(f"{name} has masked values: allowed are real numbers. Leave out masked samples")
+
+
+def _has_boolean(values: object) -> bool:
+    """Whether a list has booleans among its numbers, which NumPy makes numbers, too."""
+    if isinstance(values, np.ndarray):
+        return values.dtype.kind == "b"
+    if not isinstance(values, list | tuple):
+        return False
+    types = set(map(type, values))
+    return bool(types & BOOLEANS) or (not types <= NUMBERS and any(map(_has_boolean, values)))
 
 
 def _type_of(given: NDArray[np.generic]) -> str:

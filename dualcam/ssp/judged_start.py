@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from dualcam.checking import check_design
+from dualcam.checking.rules import EQUAL_RADII
 from dualcam.common.unit_guards import unit_warning
 from dualcam.design import Limits
 from dualcam.design_file import DesignFile, Finding
@@ -29,7 +30,7 @@ class JudgedStart(NamedTuple):
 
 def judged(component: Component, description: ModelDescription) -> JudgedStart:
     """What `dualcam check` finds where the values of a component change an FMU of this project, apart from
-    what [limits] of a design file may allow."""
+    what [limits] of a design file may allow, and from equal radii, which only a workshop cannot make."""
     if component.members is None:
         return JudgedStart([], [])
     with tempfile.TemporaryDirectory() as folder:
@@ -38,7 +39,7 @@ def judged(component: Component, description: ModelDescription) -> JudgedStart:
                 (Path(folder) / Path(name).name).write_bytes(content)
         verdict = check_design(_design(component, description, Path(folder)))
     errors, warnings = (
-        [f"component {component.name!r}: {finding}" for finding in findings]
+        [f"component {component.name!r}: {finding}" for finding in findings if finding.kind != EQUAL_RADII]
         for findings in (verdict.errors, verdict.warnings)
     )
     return JudgedStart(errors, warnings)
