@@ -34,70 +34,32 @@ FRICTION_CLASSES = {  # by the FMU's friction_class
 
 @dataclass(frozen=True)
 class LargestPressure:
-    """The largest Hertz pressure of the line contacts.
+    """The largest Hertz pressure of the line contacts."""
 
-    Attributes
-    ----------
-    pressure, limit : float
-        Largest and allowed pressure [Pa].
-    theta : float
-        Where the pressure is largest [rad].
-    cam : int
-        In whose groove: 1 or 2.
-    modulus, cam_modulus : float
-        Young's moduli of pin and cams [Pa].
-    shear : float
-        Largest shear stress below the surface there [Pa].
-    depth : float
-        Depth of that shear stress [m].
-    """
-
-    pressure: float
+    pressure: float  # Pa, as limit, moduli and shear
     limit: float
-    theta: float
-    cam: int
-    modulus: float
+    theta: float  # rad
+    cam: int  # 1 or 2
+    modulus: float  # Young's, of the pin; cam_modulus of both cams
     cam_modulus: float
-    shear: float
-    depth: float
+    shear: float  # largest shear stress below the surface
+    depth: float  # of this shear stress [m]
 
 
 @dataclass(frozen=True)
 class KeyNumbers:
-    """Numbers by which a design is judged, in slow motion over the whole range of theta.
+    """Numbers by which a design is judged, in slow motion over the whole range of theta."""
 
-    Attributes
-    ----------
-    load, release : tuple of float
-        Least and largest torque to load, and torque given back [N.m].
-    efficiency : tuple of float
-        Least and largest torque given back over torque to load, at the same angle [1].
-    self_locking : bool
-        Whether the spring cannot turn cam 2 back at some angle.
-    friction_class : {1, 2}
-        The FMU's variable: 1 unique, 2 self-locking. docs/mechanism.md, section 3, has both classes.
-    stroke : float
-        Way of the follower from stop to stop [m].
-    pressure : LargestPressure or None
-        None without a pin.
-    roller : RollerNumbers or None
-        None without a roller.
-    spring : SpringNumbers or None
-        None without wire and coil of the spring.
-    wear : WearNumbers or None
-        None where nothing wears.
-    """
-
-    load: tuple[float, float]
-    release: tuple[float, float]
-    efficiency: tuple[float, float]
-    self_locking: bool
-    friction_class: int
-    stroke: float
-    pressure: LargestPressure | None
-    roller: RollerNumbers | None = None
-    spring: SpringNumbers | None = None
-    wear: WearNumbers | None = None
+    load: tuple[float, float]  # least and largest torque to load [N.m]
+    release: tuple[float, float]  # likewise torque given back [N.m]
+    efficiency: tuple[float, float]  # likewise release over load at the same angle [1]
+    self_locking: bool  # the spring cannot turn cam 2 back at some angle
+    friction_class: int  # the FMU's: 1 unique, 2 self-locking
+    stroke: float  # way of the follower from stop to stop [m]
+    pressure: LargestPressure | None  # None without a pin
+    roller: RollerNumbers | None = None  # None without a roller
+    spring: SpringNumbers | None = None  # None without wire and coil
+    wear: WearNumbers | None = None  # None where nothing wears
 
     def as_dict(self) -> dict[str, Any]:
         """The numbers as JSON has them, in SI units."""
@@ -158,19 +120,7 @@ class KeyNumbers:
 
 
 def key_numbers(design: DesignFile, friction_class: int) -> KeyNumbers:
-    """The key numbers of a design that works.
-
-    Parameters
-    ----------
-    design : DesignFile
-        A design whose check finds no error.
-    friction_class : {1, 2}
-        The FMU's variable at the start.
-
-    Returns
-    -------
-    KeyNumbers
-    """
+    """The key numbers of a design whose check finds no error."""
     mechanism = design.mechanism()
     band = torque_band(mechanism)
     return KeyNumbers(

@@ -42,10 +42,7 @@ class RemedySearch:
         self._tried: dict[tuple[str, float], Kinds | None] = {}
 
     def mended(self, trouble: Trouble) -> Finding:
-        """The finding with a value that mends it, if there is one.
-
-        A value with which the whole check passes "works": no finding that was an error is left as a warning.
-        Another value removes this finding and makes no new error."""
+        """The finding with a value that "works", so that the whole check passes, or mends it alone."""
         for whole, words in ((True, "works"), (False, "mends this finding, not the others")):
             for remedy in trouble.remedies:
                 value = self._value(trouble.finding, remedy, whole)

@@ -26,9 +26,7 @@ SAME_RADIUS = 1e-9  # relative difference of radii below which both count as equ
 
 
 def swap_warning(design: DesignFile, errors: Iterable[str]) -> Finding | None:
-    """A warning if exchanging the grooves of both cams, without radius and friction, removes all errors.
-
-    None where an error, of these kinds, is not about the grooves, such as one of stops or spring."""
+    """A warning if all errors are of grooves and go where the grooves, without radii, are exchanged."""
     if not all(kind.startswith(OF_GROOVES) for kind in errors):
         return None
     grooves = ("profile", "lead_angle", "ellipse_a", "ellipse_b", "ellipse_curvature", "table")
@@ -43,8 +41,7 @@ def swap_warning(design: DesignFile, errors: Iterable[str]) -> Finding | None:
 
 
 def troubles(design: DesignFile, locate: bool = True) -> list[Trouble]:
-    """All errors, and warnings about the geometry, of a design. Without `locate` in less time, the angles in
-    the texts being those of a coarse grid."""
+    """All errors, and warnings about the geometry. Without `locate` faster, with angles of a coarse grid."""
     if early := _stops(design):
         return early
     try:

@@ -12,9 +12,7 @@ HALVINGS = 40
 
 
 def nearest_working(current: float, bound: float, works: Callable[[float], bool]) -> float | None:
-    """The value nearest to `current` on the way to `bound` that works, rounded away from `current`.
-
-    None if no probed value works. `works` is asked again for the rounded value."""
+    """The value nearest to `current` on the way to `bound` that works, rounded towards `bound`, or None."""
     last = current
     for share in SHARES:
         probe = current + (bound - current) * share

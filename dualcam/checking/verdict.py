@@ -181,8 +181,7 @@ def _first_inputs(design: DesignFile) -> dict[str, float]:
 
 
 def _unused(design: DesignFile) -> list[Finding]:
-    """Warnings about parameters of the other model: the design's model does not have them. The start of the
-    forward model is kept out: an exported inverse FMU begins there."""
+    """Warnings about parameters of the other model, apart from the start, where an inverse FMU begins."""
     known = design.parameters_for()
     return [
         Finding(

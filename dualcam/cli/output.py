@@ -85,9 +85,7 @@ def require_folder_of(path: Path) -> None:
 def keep_files_of(
     design: DesignFile, *outputs: Path | None, data: Path | None = None, made: Sequence[str] = ()
 ) -> None:
-    """DualcamError if a result would replace the design file, one of its tables, or measured data.
-
-    `made`: the parameters whose tables the command makes anew."""
+    """DualcamError if a result would replace the design file, its tables but those `made` anew, or `data`."""
     keys = [f"cam{cam}.{table}" for cam in (1, 2) for table in ("table", "friction_table")]
     tables = (design.value(key) for key in keys if key not in made)
     read = {design.path.resolve(), *(Path(table).resolve() for table in tables if table)}

@@ -19,9 +19,7 @@ def read_members(path: Path) -> dict[str, bytes]:
 
 
 def write_archive(path: Path, members: Mapping[str, bytes]) -> None:
-    """Write an archive. The members are stored, since compressed bytes would depend on the version of zlib.
-
-    The build of the project's FMUs, which runs without this package, has a function of the same name."""
+    """Write an archive, stored: compressed bytes would depend on the version of zlib."""
     path.write_bytes(archive_bytes(members))
 
 

@@ -31,38 +31,9 @@ def real_array(
     shape: tuple[int, ...] | None = None,
     kinds: str = REAL,
 ) -> Array:
-    """`values` as an array of float64: the same array where it is one, else a new one.
+    """`values` as an array of float64: the same array where it is one. `error` for anything but real numbers.
 
-    Parameters
-    ----------
-    values : array_like
-        Real numbers. Refused are dates, durations, text, booleans, complex numbers, objects, masked values,
-        quantities with a unit, and rows of different lengths, unless `kinds` has them.
-    name : str
-        What the values are, for messages.
-    error : type
-        What is raised.
-    shape : tuple of int, optional
-        The shape that the values must have.
-    kinds : str
-        NumPy's kinds of types that are allowed. "m" for times in s: durations such as timedelta64[ns] become
-        seconds. "b" for values of Boolean variables: True becomes 1.
-
-    Returns
-    -------
-    ndarray of float64
-        Not checked are the limits of values, NaN among them.
-
-    Examples
-    --------
-    >>> real_array(np.array([0, 500], "timedelta64[ms]"), "time", kinds=TIME)
-    array([0. , 0.5])
-    >>> real_array(np.array([0, 500], "timedelta64[ms]"), "theta")
-    Traceback (most recent call last):
-    ...
-    dualcam.errors.DualcamError: theta has elements of type timedelta64[ms]: allowed are real numbers. In \
-seconds they are: t / np.timedelta64(1, 's')
-    """
+    `kinds` are NumPy's kinds of types: with "m" durations become seconds, with "b" True becomes 1."""
     if type(values) not in PLAIN:
         _refuse_what_arrays_leave_out(values, name, error)
     try:

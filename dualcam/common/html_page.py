@@ -27,8 +27,7 @@ figure svg { width: 100%; height: auto }
 
 
 def page(title: str, kind: str, lead: str, content: str) -> str:
-    """An HTML page. `content` is HTML; the other texts are plain, and `kind` is in the title of the
-    window."""
+    """An HTML page. `content` is HTML; the other texts are plain; `kind` is in the window's title."""
     return f"""\
 <!DOCTYPE html>
 <html lang="en">

@@ -14,12 +14,7 @@ NO_METADATA = dict.fromkeys(("Date", "Creator", "Format", "Type"))
 
 
 def figure_element(picture: Figure, title: str, caption: str = "") -> str:
-    """An HTML element `figure` with the picture as SVG and the caption, which is HTML.
-
-    The bytes depend on the picture and on the version of Matplotlib. Text stays text, which a browser shows
-    in its own font. All names in the SVG begin with the title. So an id is unique in a page whose pictures
-    have different titles.
-    """
+    """An HTML element `figure`: the picture as SVG, whose ids begin with the title, and an HTML caption."""
     from matplotlib import rc_context
 
     text = io.StringIO()

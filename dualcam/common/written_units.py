@@ -45,9 +45,7 @@ EXAMPLES = {
 
 
 def quantity(text: str, unit: str) -> float:
-    """The number that a quantity such as "45 deg" is in `unit`, a unit of the FMU such as "N.s2/m2".
-
-    DesignError, with what is allowed, for a text that is no such quantity."""
+    """The number that a quantity such as "45 deg" is in `unit`. DesignError for any other text."""
     example = f'write for example "{EXAMPLES[unit]}"' if unit in EXAMPLES else ""
     if len(text) > LONGEST:
         raise DesignError(f"a text of {len(text)} characters: allowed is a number with a unit")
@@ -107,9 +105,7 @@ def _converted(number: Decimal, written: str, unit: str, example: str) -> float:
 
 
 def si_number(text: str) -> float:
-    """The number that a quantity such as "79 GPa" is in the base unit of the SI: m, kg, s and rad.
-
-    DesignError for a text that is no number with a unit."""
+    """The number that a quantity such as "79 GPa" is in m, kg, s and rad. DesignError for any other text."""
     match = QUANTITY.fullmatch(text) if len(text) <= LONGEST else None
     if match is None or not match[2]:
         raise DesignError('allowed is a number with a unit, such as "79 GPa"')

@@ -40,8 +40,7 @@ def is_own(members: Mapping[str, bytes]) -> bool:
 
 
 def restarted(members: Mapping[str, bytes], values: Mapping[str, float]) -> Mapping[str, bytes]:
-    """An FMU of this project that starts from other values. It keeps its name, and loses pages and results
-    that belong to the former values. The members themselves where they have these values already."""
+    """An FMU of this project that starts from other values, without pages and results of the former ones."""
     description = Description(members[XML])
     start = {name: typed(description.variables[name], value) for name, value in values.items()}
     if all(description.variables[name].start == number_text(value) for name, value in start.items()):

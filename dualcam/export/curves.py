@@ -27,15 +27,11 @@ MOTION = {"theta": 0.0, "omega": 0.0, "alpha": 0.0, "F_ext": 0.0, "shaft.stiffne
 
 @dataclass(frozen=True)
 class SlowMotionCurves:
-    """Slow motion without external force. NaN: the mechanism jams there, or the value is infinite.
+    """Slow motion without external force, from stop to stop. NaN: a jam, or an infinite value."""
 
-    `theta` [rad] has shape (n,), from the lower to the upper stop. Each entry of `values` has shape (n,), in
-    the FMU's units; each entry of `reactions` has shape (2, n), for cam 1 and cam 2 [N, of one contact].
-    """
-
-    theta: Array
-    values: dict[str, Array]
-    reactions: dict[str, Array]  # "loading", "releasing"
+    theta: Array  # shape (n,) [rad]
+    values: dict[str, Array]  # shape (n,), in the FMU's units
+    reactions: dict[str, Array]  # "loading", "releasing"; shape (2, n) for both cams [N, of one contact]
 
     def largest(self, name: str) -> float:
         """The largest magnitude of an entry of `values`; 0 if the entry has no number."""
@@ -44,18 +40,7 @@ class SlowMotionCurves:
 
 
 def slow_motion_curves(parameters: Mapping[str, Scalar]) -> SlowMotionCurves:
-    """Curves of a design.
-
-    Parameters
-    ----------
-    parameters
-        Name -> value, of either FMU; tables as absolute paths.
-
-    Raises
-    ------
-    FmuError
-        The FMU refuses the design.
-    """
+    """Curves of a design by its parameters, tables as absolute paths. FmuError if the FMU refuses."""
     omitted = (*START_INPUTS, "tau")  # tau is an input of the forward FMU alone
     given = {name: value for name, value in parameters.items() if name not in omitted} | MOTION
     theta = np.linspace(*_stops(given), POINTS)

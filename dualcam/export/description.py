@@ -49,13 +49,7 @@ class VariableTag:
 
 
 class Description:
-    """A modelDescription.xml of this project.
-
-    Parameters
-    ----------
-    xml
-        The document.
-    """
+    """A modelDescription.xml of this project."""
 
     def __init__(self, xml: bytes) -> None:
         self.xml = xml
@@ -86,17 +80,7 @@ class Description:
         return found
 
     def edited(self, root: Mapping[str, str], identifier: str, start: Mapping[str, Scalar]) -> bytes:
-        """The document with other attributes.
-
-        Parameters
-        ----------
-        root
-            Attributes of the root element.
-        identifier
-            New C identifier.
-        start
-            Name of a variable -> start value.
-        """
+        """The document with other attributes of the root, C identifier and start values."""
         edits = [(self.root, dict(root))]
         for tag in self.tags:
             if tag.name in ("CoSimulation", "ModelExchange"):

@@ -11,21 +11,7 @@ from dualcam.fmi.platforms import own_binary
 
 
 def edited_start_values(path: Path, description: ModelDescription) -> list[str]:
-    """What differs between the start values in the XML and in the binary for the running machine.
-
-    Parameters
-    ----------
-    path
-        The FMU.
-    description
-        Its description.
-
-    Returns
-    -------
-    list of str
-        One sentence for each difference. Empty too where the FMU is not of this project, or has no binary for
-        this machine.
-    """
+    """One sentence for each start value in the XML that is not that of the binary for this machine."""
     try:
         binary = own_binary(path, description)
         block = None if binary is None else read_start_values(binary)

@@ -26,18 +26,7 @@ def parts(binary: bytes) -> list[tuple[int, int]]:
 
 
 def sign_again(part: bytearray) -> None:
-    """Write the hash of each page of the code for one processor into its signature.
-
-    Parameters
-    ----------
-    part
-        A Mach-O file with 64 bits. Without a signature nothing changes.
-
-    Raises
-    ------
-    ExportError
-        The signature is not one without certificate and with SHA-256 hashes.
-    """
+    """Sign the pages of a 64-bit Mach-O file anew. ExportError but for SHA-256 hashes without certificate."""
     at = _signature(part)
     if at is None:
         return

@@ -12,19 +12,7 @@ SUFFIX = ".fmu"
 
 
 def target_path(path: str | Path) -> Path:
-    """The absolute path of the FMU that is to be written.
-
-    Parameters
-    ----------
-    path
-        A file name that ends in .fmu, in an existing folder. An existing file will be replaced.
-
-    Raises
-    ------
-    ExportError
-        The name has another ending or characters that cannot be printed, the folder is missing, or the path
-        is a folder.
-    """
+    """The absolute path of the FMU to be written. ExportError for a bad ending, sign or folder."""
     target = path_of(path, "the FMU").expanduser().absolute()
     if target.suffix.lower() != SUFFIX or not target.stem.isprintable():
         raise ExportError(

@@ -28,23 +28,7 @@ def exported_page(
     figures: str,
     scenario: str,
 ) -> str:
-    """The page of an exported FMU.
-
-    Parameters
-    ----------
-    page
-        documentation/index.html of the original FMU.
-    original
-        Its description.
-    names
-        Model name ("name"), C identifier ("identifier") and description ("description") of the exported FMU.
-    start
-        Name of a variable -> start value.
-    figures
-        The figures, as HTML.
-    scenario
-        A paragraph about the scenario, as HTML; empty without one.
-    """
+    """The page of an exported FMU. `names`: name, identifier, description. `figures`, `scenario`: HTML."""
     heading = escape(names["name"])
     old = original.root.attributes["description"]
     page = _replaced(page, r"(<head>.*?<title>).*?(</title>)", heading)

@@ -78,22 +78,7 @@ project dualcam holds a result of an independent program.
 
 
 def reference_result(fmu: Fmu, model: str, curves: SlowMotionCurves) -> Reference:
-    """Play the reference run.
-
-    Parameters
-    ----------
-    fmu
-        The exported FMU.
-    model
-        "forward" or "inverse".
-    curves
-        Curves of the design, which give the size of the inputs.
-
-    Raises
-    ------
-    ExportError
-        The FMU fails during the run.
-    """
+    """Play the reference run of the exported FMU. ExportError if the FMU fails."""
     run = {"forward": _forward, "inverse": _inverse}[model]
     try:
         return Reference(model, *run(fmu, curves))

@@ -44,22 +44,7 @@ def scenario_for(scenario: Scenario | None, model: str) -> Scenario | None:
 
 
 def scenario_table(scenario: Scenario, model: str, start: Mapping[str, Scalar]) -> bytes:
-    """All inputs of the model over time, as CSV that FMPy reads.
-
-    Parameters
-    ----------
-    scenario
-        Histories of inputs of the model.
-    model
-        "forward" or "inverse".
-    start
-        Start values of the FMU, which inputs without a history keep.
-
-    Returns
-    -------
-    bytes
-        Columns time [s] and inputs in the FMU's units, to 12 digits. Two rows of one time are a jump.
-    """
+    """All inputs over time [s] as CSV that FMPy reads, to 12 digits; two rows of one time are a jump."""
     known = inputs_of(model)
     constant = {name: float(start.get(name, variable.start)) for name, variable in known.items()}
     rows = []
@@ -101,17 +86,7 @@ def _at_end(step: Step) -> dict[str, float]:
 
 
 def python_lines(file: str, scenario: Scenario, model: str) -> str:
-    """Six lines of Python that play the scenario in FMPy.
-
-    Parameters
-    ----------
-    file
-        File name of the FMU.
-    scenario
-        The scenario that the FMU holds.
-    model
-        "forward" or "inverse".
-    """
+    """Six lines of Python that play the scenario of the FMU `file` in FMPy."""
     return LINES.format(
         file=json.dumps(file, ensure_ascii=False),
         table=FILE,

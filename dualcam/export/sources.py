@@ -17,17 +17,7 @@ NAMED = (FOLDER + "identity.h", FOLDER + "buildDescription.xml")  # these files 
 def exported_sources(
     members: Mapping[str, bytes], names: Mapping[str, str], start: Mapping[str, Scalar]
 ) -> dict[str, bytes]:
-    """The members below sources/ of the exported FMU.
-
-    Parameters
-    ----------
-    members
-        Members of the original FMU.
-    names
-        Identifier and GUID of the original -> those of the exported FMU.
-    start
-        Name of a variable -> start value.
-    """
+    """The members below sources/ with other names and start values."""
     found = {name: content for name, content in members.items() if name.startswith(FOLDER)}
     for name in NAMED:
         if name in found:

@@ -27,27 +27,9 @@ ONE_PART = (b"\x7fELF", b"MZ", mach_o.THIN)  # beginnings of binaries with one b
 def replace_start_values(
     binary: bytes, guid: str, numbers: Mapping[int, float], texts: Mapping[int, str]
 ) -> bytes:
-    """A binary with another GUID and other start values.
+    """A binary with another GUID and other start values, by value reference, for macOS signed again.
 
-    Parameters
-    ----------
-    binary
-        Shared library for Linux, Windows or macOS; for macOS of one processor or of several.
-    guid
-        New GUID (FMI 3.0: instantiation token), up to 63 ASCII characters.
-    numbers, texts
-        Value reference -> start value, in SI units. All other start values stay.
-
-    Returns
-    -------
-    bytes
-        Of the same length, with a valid signature for macOS.
-
-    Raises
-    ------
-    ExportError
-        The binary does not hold the block exactly once for each processor, or a text is too long.
-    """
+    ExportError unless the block is there once for each processor, or for a long text."""
     content = bytearray(binary)
     for begin, size in _parts(binary):
         part = content[begin : begin + size]
@@ -83,23 +65,7 @@ class StartValues:
 
 
 def read_start_values(binary: bytes) -> StartValues | None:
-    """The start values in a binary; of one for several processors, those for the first.
-
-    Parameters
-    ----------
-    binary
-        Shared library for Linux, Windows or macOS.
-
-    Returns
-    -------
-    StartValues or None
-        None: the binary has no block, so it is of another project.
-
-    Raises
-    ------
-    ExportError
-        The binary holds the block more than once, or with another layout.
-    """
+    """The start values in a binary; None without a block. ExportError for another layout or many blocks."""
     if MARK not in binary:
         return None
     begin, size = _parts(binary)[0]

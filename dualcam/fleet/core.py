@@ -38,8 +38,7 @@ class NotFiniteError(Exception):
 
 
 class Core:
-    """The instances, not yet started. No reference leads from here to the Fleet, so that a dropped Fleet can
-    close this."""
+    """The instances, not yet started. It has no reference to the Fleet: a dropped Fleet can close it."""
 
     def __init__(
         self,
@@ -83,8 +82,7 @@ class Core:
         return self._handle is not None
 
     def close(self) -> None:
-        """Free all instances and the unpacked files, once. Waits for a call of another thread. A forked child
-        only forgets its copy: the threads are in the parent alone."""
+        """Free all instances and files, once, after other threads' calls. A forked child forgets its copy."""
         if not self._unpacked.is_own:
             self._handle = None
             return

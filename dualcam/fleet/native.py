@@ -127,13 +127,7 @@ SIGNATURES = {
 
 @cache
 def native() -> ctypes.CDLL:
-    """The library, loaded once. Python's lock is free during its calls.
-
-    Raises
-    ------
-    FmuError
-        There is no library for this platform, or the system refuses to load the library.
-    """
+    """The library, loaded once; its calls release Python's lock. FmuError if there is none."""
     path = fleet_library_path()
     try:
         library = ctypes.CDLL(str(path))

@@ -21,9 +21,7 @@ FleetValue = ArrayLike | str | Sequence[str]
 
 
 class Layout:
-    """Values of some variables for each of `count` instances. `struct` points into arrays of this object.
-
-    FmuError where a value does not suit its variable, or its shape is neither () nor (count,)."""
+    """Values of variables, shape () or (count,), for `count` instances. `struct` points into this object."""
 
     def __init__(self, variables: Sequence[Variable], values: Mapping[str, FleetValue], count: int) -> None:
         self.struct = Values()

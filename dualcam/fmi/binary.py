@@ -30,10 +30,7 @@ def interface_of(path: Path, description: ModelDescription, use: Use) -> Interfa
 
 
 class Unpacked:
-    """A new folder with an FMU's resources and this platform's binary.
-
-    The folder belongs to the process that made it. A forked child has copies of its parent's open FMUs, which
-    leave the folder to the parent."""
+    """A new folder with an FMU's resources and this platform's binary, which a forked child leaves alone."""
 
     def __init__(self, path: Path, fmi_major: int) -> None:
         """FmuError if these parts of the FMU are damaged or there is no room."""

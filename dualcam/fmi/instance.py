@@ -32,11 +32,8 @@ Function = Callable[..., int]
 
 
 class Instance(ABC):
-    """A loaded binary with one instance in it, freed once. The instance has no reference to its handle, so
-    that a dropped handle can free it.
-
-    `get_real`, `set_real` and `do_step` are the FMI functions of the loop. While a call is not allowed, they
-    are replaced by a function that says why."""
+    """A loaded binary with one instance, freed once. It has no reference to its handle: a dropped handle can
+    free it. While calls are not allowed, `get_real`, `set_real` and `do_step` say why."""
 
     # names of the FMI functions
     GET_REAL: ClassVar[str]
@@ -129,8 +126,7 @@ class Instance(ABC):
             raise FmuError(CLOSED)
 
     def function(self, name: str) -> Function:
-        """The FMI function `name`, which returns FMI's status. The arguments, `component` first, are values
-        of ctypes: their types are not checked."""
+        """The FMI function `name`, which returns FMI's status. Its arguments are values of ctypes."""
         return self.library[name]  # a new object, which shares no argument types
 
     def brief_function(self, name: str) -> Function:
@@ -154,8 +150,7 @@ class Instance(ABC):
             raise FmuError(text)
 
     def free(self) -> None:
-        """Free the instance and the unpacked files, once. A forked child only forgets its copy, of which
-        threads of the FMU are in the parent alone."""
+        """Free the instance and the files, once. A forked child lacks the FMU's threads and forgets both."""
         if not self._unpacked.is_own:
             self.abandon()
         if not self.is_open:
@@ -170,8 +165,7 @@ class Instance(ABC):
         self._unpacked.delete()
 
     def abandon(self) -> None:
-        """After FMI's status Fatal no function may be called, not even to free the instance: its memory is
-        lost."""
+        """After FMI's status Fatal no function may be called, not even to free the instance."""
         if self.is_open:
             self.states.clear()
             self._close()

@@ -73,33 +73,7 @@ def fleet_library_path() -> Path:
 
 
 def web_path(name: str) -> Path:
-    """Path of a product for a page in a browser.
-
-    Parameters
-    ----------
-    name : str
-        "DualCamForward.wasm" or "DualCamInverse.wasm", the model as WebAssembly; "three", the folder of
-        three.js and its licence; or a file in this folder, "three/LICENSE".
-
-    Returns
-    -------
-    Path
-        The file or folder inside the installed package, or that of the build folder of a checkout.
-
-    Raises
-    ------
-    FmuError
-        There is no such file, or a checkout has not been built yet.
-
-    Examples
-    --------
-    >>> web_path("DualCamForward.wasm").name
-    'DualCamForward.wasm'
-    >>> web_path("DualCamBackward.wasm")  # doctest: +ELLIPSIS
-    Traceback (most recent call last):
-    ...
-    dualcam.errors.FmuError: DualCamBackward.wasm is missing: looked for ...
-    """
+    """The file "DualCamForward.wasm" or "DualCamInverse.wasm", the folder "three", or a file in it."""
     if not isinstance(name, str) or not name:
         raise FmuError(f"web_path(name={name!r}): allowed is the name of a file or folder, such as 'three'")
     places = [folder / name for folder in (PACKAGE / "web", PACKAGE.parent / "build" / "web")]
@@ -114,9 +88,7 @@ def web_path(name: str) -> Path:
 
 
 def source_path(source: str | Path, fmi: int | None = None) -> Path:
-    """The file behind a name ("forward", "inverse") or a path. `fmi`: version of a named FMU, 2 if None.
-
-    FmuError where `source` is neither a text nor a path."""
+    """The file behind a name ("forward", "inverse") or a path. FmuError for anything else."""
     if not isinstance(source, str | Path):
         raise FmuError(
             f"FMU {source!r}: allowed are {', '.join(map(repr, MODELS))}, or the path of an FMU (str or Path)"

@@ -80,8 +80,7 @@ class Variable:
 
 @dataclass(frozen=True)
 class Interface:
-    """What the FMU can do in one use, co-simulation or model exchange. A capability that the XML does not
-    name is absent."""
+    """What the FMU can do in one use; a capability that the XML does not name is absent."""
 
     model_identifier: str
     needs_execution_tool: bool = False
@@ -187,30 +186,7 @@ def read_model_description(path: str | Path) -> ModelDescription:
 
 
 def parse_model_description(content: str | bytes) -> ModelDescription:
-    """Parse the text of a modelDescription.xml.
-
-    Parameters
-    ----------
-    content : str or bytes
-        The whole XML document.
-
-    Returns
-    -------
-    ModelDescription
-
-    Raises
-    ------
-    FmuError
-        The document is no valid description of an FMU of FMI 2.0 or FMI 3.0.
-
-    Examples
-    --------
-    >>> from dualcam.fmi.model_description import parse_model_description
-    >>> parse_model_description("<fmiModelDescription fmiVersion='1.0'/>")
-    Traceback (most recent call last):
-    ...
-    dualcam.errors.FmuError: the FMU is of FMI 1.0: allowed are 2.0 and 3.0
-    """
+    """The description in the text of a modelDescription.xml. FmuError if there is none of FMI 2.0 or 3.0."""
     try:
         root = ElementTree.fromstring(content)
     except ElementTree.ParseError as error:

@@ -25,10 +25,7 @@ FOLDERS_2 = {
 
 
 def platform_tuple() -> str:
-    """FMI 3.0's name of the running Python's platform, such as "x86_64-linux".
-
-    On Windows and Linux a Python of 32 bits on a processor of 64 bits loads binaries of 32 bits.
-    """
+    """FMI 3.0's name of the running Python's platform, such as "x86_64-linux"."""
     machine = platform.machine().lower()
     processor = PROCESSORS.get(machine, machine)
     if processor == "x86_64" and struct.calcsize("P") == 4:
@@ -38,11 +35,9 @@ def platform_tuple() -> str:
 
 
 def binary_folders(fmi_major: int) -> tuple[str, ...]:
-    """Names of the folders below `binaries` that can hold this platform's library, the usual one first.
+    """Folders below `binaries` that can hold this platform's library, the usual one first.
 
-    For processors other than x86, FMI 2.0 uses names of the form of FMI 3.0 since 2.0.4. Older FMUs for macOS
-    on ARM have `darwin64`.
-    """
+    FMI 2.0 has names of FMI 3.0 for other processors than x86; older FMUs for macOS have `darwin64`."""
     name = platform_tuple()
     return (FOLDERS_2[name], name) if fmi_major == 2 and name in FOLDERS_2 else (name,)
 
@@ -59,8 +54,7 @@ def folders_of(path: Path) -> list[str]:
 
 
 def is_for_this_platform_alone(path: Path) -> bool:
-    """Whether an FMU has binaries for the running Python's platform and for no other, as an FMU of a clone
-    has that was built for its own machine."""
+    """Whether an FMU has binaries for the running Python's platform and for no other."""
     own = {*binary_folders(2), *binary_folders(3)}
     return set(folders_of(path)) <= own
 

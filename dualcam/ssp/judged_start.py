@@ -29,8 +29,7 @@ class JudgedStart(NamedTuple):
 
 
 def judged(component: Component, description: ModelDescription) -> JudgedStart:
-    """What `dualcam check` finds where the values of a component change an FMU of this project, apart from
-    what [limits] of a design file may allow, and from equal radii, which only a workshop cannot make."""
+    """What `dualcam check` finds in an FMU of this project, apart from [limits] and equal radii."""
     if component.members is None:
         return JudgedStart([], [])
     with tempfile.TemporaryDirectory() as folder:

@@ -115,18 +115,7 @@ def view_page(design: DesignFile | None = None) -> str:
 
 
 def page_content(design: DesignFile | None) -> dict[str, Any]:
-    """What the page knows of the design: words, the FMU's variables, start values, tables and scenario.
-
-    Parameters
-    ----------
-    design : DesignFile or None
-        The design; None for the default mechanism.
-
-    Returns
-    -------
-    dict
-        For JSON.
-    """
+    """What the page knows, for JSON: words, variables, start values, tables, scenario; None: the defaults."""
     parameters = {} if design is None else _start_values(design)
     with Fmu(fmu_path(MODEL)) as fmu, units_checked_before():
         fmu.start(parameters)  # refuses a design that cannot work, with the FMU's own words
@@ -143,8 +132,7 @@ def page_content(design: DesignFile | None) -> dict[str, Any]:
 
 
 def _start_values(design: DesignFile) -> dict[str, Scalar]:
-    """Parameters of the forward model. A design whose scenario imposes the motion need not say where the
-    forward model starts: where the stops exclude theta = 0, at the nearest stop."""
+    """Parameters of the forward model. A design that imposes the motion starts at 0, or the nearest stop."""
     given = design.parameters_for(MODEL)
     low, high = design.value("stop.lower"), design.value("stop.upper")
     if design.model == MODEL or low <= 0.0 <= high:

@@ -47,9 +47,7 @@ def without_separator_line(lines: Lines) -> tuple[str | None, Lines]:
 
 
 def find_header(lines: Lines, comments: Lines, kind: TableKind, separator: str | None) -> Header:
-    """The first line that names all needed columns, which may be a comment above all rows.
-
-    TableError where there is none: with the reason for the line of words above the first line of numbers."""
+    """The first line, or comment above all rows, that names all needed columns. TableError without one."""
     for header in _candidates(lines, comments, separator):
         try:
             columns = columns_of(header, kind)
@@ -118,8 +116,7 @@ def _has_rows_above(header: Header, lines: Lines, columns: Mapping[str, Column])
 
 
 def words_above_numbers(lines: Lines, comments: Lines, separator: str | None) -> Header | None:
-    """The line above the first line of numbers, or the first line where none has numbers. None: no words
-    are above the numbers."""
+    """The line above the first line of numbers, or the first line where none has numbers."""
     rows = (k for k, line in enumerate(islice(lines, FIRST_LINES)) if _has_numbers(line.text))
     first = next(rows, 1)
     if first == 0:
@@ -144,9 +141,7 @@ def _has_numbers(text: str) -> bool:
 
 
 def columns_of(header: Header, kind: TableKind) -> dict[str, Column]:
-    """The column of each quantity: by its name, or else as the only one with a unit of its kind.
-
-    TableError for a needed column that is absent, and for two columns of one quantity."""
+    """The column of each quantity: by its name, or as the only one with a unit of its kind; or TableError."""
     heads = [head_of(text) for text in header.heads]
     found: dict[str, Column] = {}
     for name, quantity in kind.quantities.items():

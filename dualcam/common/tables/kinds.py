@@ -18,59 +18,27 @@ class TableError(DualcamError):
 
 @dataclass(frozen=True)
 class ColumnKind:
-    """One column of a table.
+    """One column of a table."""
 
-    Attributes
-    ----------
-    kind : str
-        Key of `units.UNITS`, such as "angle".
-    words : tuple of str
-        Names of the column in headers, in small letters.
-    needed : bool
-        Whether a table without the column is refused.
-    order : str
-        "rises": each value is above the one before. "never falls": or equal to it. "": any order.
-    bare_name : str
-        The name that needs no unit: its values are in the SI unit. "" for none; a ratio never needs a unit.
-    rule : str
-        Rule of `unit_guards.RULES` for values in the SI unit; "" for none.
-    """
-
-    kind: str
-    words: tuple[str, ...]
-    needed: bool = True
-    order: str = ""
-    bare_name: str = ""
-    rule: str = ""
+    kind: str  # key of `units.UNITS`, such as "angle"
+    words: tuple[str, ...]  # names of the column in headers, in small letters
+    needed: bool = True  # a table without the column is refused
+    order: str = ""  # "rises", "never falls", or "" for any
+    bare_name: str = ""  # a name whose values are in the SI unit without a unit; "" for none
+    rule: str = ""  # key of `unit_guards.RULES` for values in the SI unit; "" for none
 
 
 @dataclass(frozen=True)
 class TableKind:
-    """What a table is for.
+    """What a table is for."""
 
-    Attributes
-    ----------
-    what : str
-        The file in messages, such as "groove table".
-    quantities : mapping of str to ColumnKind
-        Columns by name.
-    example : str
-        A good header.
-    error : type of DualcamError
-        What is raised for a file that cannot be understood.
-    least, most : int
-        Numbers of rows; `most` = 0 for any.
-    units : mapping of str to str
-        Units that the caller gives, by quantity: they count more than the header.
-    """
-
-    what: str
+    what: str  # the file in messages, such as "groove table"
     quantities: Mapping[str, ColumnKind]
-    example: str
-    error: type[DualcamError]
-    least: int = 1
-    most: int = 0
-    units: Mapping[str, str] = field(default_factory=dict)
+    example: str  # a good header
+    error: type[DualcamError]  # raised for a file that cannot be understood
+    least: int = 1  # number of rows
+    most: int = 0  # 0: any number
+    units: Mapping[str, str] = field(default_factory=dict)  # of the caller, before the header
 
     @property
     def needs_header(self) -> bool:

@@ -41,28 +41,14 @@ Converter = Callable[[str, str, Array], Array]  # name, unit, values in the unit
 
 @dataclass(frozen=True, eq=False)
 class HumanTable:
-    """The columns of a file, and how the file was understood.
+    """The columns of a file, and how the file was understood."""
 
-    Attributes
-    ----------
-    columns : mapping of str to ndarray, shape (n,)
-        By quantity, in SI units.
-    lines : ndarray of int, shape (n,)
-        Numbers of the lines of the file, from 1.
-    heads, units : mapping of str to str
-        By quantity: the head of the column in the file, and its unit ("" for a name without unit).
-    notes : tuple of str
-        What was guessed, in words.
-    warnings : tuple of str
-        Values that look as if they were in another unit, or had points between thousands.
-    """
-
-    columns: Mapping[str, Array]
-    lines: np.ndarray
-    heads: Mapping[str, str]
-    units: Mapping[str, str]
-    notes: tuple[str, ...]
-    warnings: tuple[str, ...]
+    columns: Mapping[str, Array]  # by quantity, shape (n,), in SI units
+    lines: np.ndarray  # of the file, from 1
+    heads: Mapping[str, str]  # by quantity, as in the file
+    units: Mapping[str, str]  # by quantity, "" for a name without unit
+    notes: tuple[str, ...]  # what was guessed, in words
+    warnings: tuple[str, ...]  # values that look like another unit, or had points between thousands
     _text: str
     _is_utf8: bool
 
@@ -74,26 +60,9 @@ class HumanTable:
 def read_table(
     path: Path, kind: TableKind, separator: str | None = None, decimal: str | None = None
 ) -> HumanTable:
-    """The columns of a table in a file.
+    """The columns of a table in a file, as docs/tables.md describes. `separator`, `decimal`: None is guessed.
 
-    Parameters
-    ----------
-    path : Path
-        The file; docs/tables.md says what it may look like.
-    kind : TableKind
-        What the columns are.
-    separator, decimal : str, optional
-        Between columns, and decimal sign; None: guessed.
-
-    Returns
-    -------
-    HumanTable
-
-    Raises
-    ------
-    DualcamError
-        The kind's own error: with the file, and the line and column where something is wrong.
-    """
+    The kind's error, with line and column, where something is wrong."""
     try:
         text, is_utf8 = decoded_text(path, kind.what)
     except TableError as error:
@@ -131,32 +100,9 @@ def _understood(
 def read_columns(
     path: Path, what: str, texts: Collection[str] = (), converted: Converter | None = None
 ) -> dict[str, Array | list[str]]:
-    """All columns of a table in a file, by the names in its header.
+    """All columns of a table in a file, by the names in its header; those in `texts` hold texts.
 
-    Parameters
-    ----------
-    path : Path
-        The file, called `what` in messages.
-    texts : collection of str
-        Names of columns with texts.
-    converted : function, optional
-        For columns with a unit in brackets, as `radius [mm]`, or in a row of units: takes name, unit and
-        values. None: units are refused.
-
-    Returns
-    -------
-    dict of str to ndarray or list of str, shape (n,)
-
-    Raises
-    ------
-    TableError
-        With the file, and the line and column where something is wrong.
-
-    Warns
-    -----
-    UnitWarning
-        Parameters of the mechanism, without unit, that look as if they were in another unit.
-    """
+    `converted` takes name, unit and values of a column with a unit. TableError with line and column."""
     text, _ = decoded_text(path, what)
     try:
         return _named_columns(text, texts, converted)

@@ -43,10 +43,9 @@ def is_number(cell: str) -> bool:
 
 
 def separator_of(rows: Lines, width: int, places: Iterable[int], usual: str) -> str:
-    """The separator with which most of the first rows have `width` cells, and numbers at `places`.
+    """The separator with which most of the first rows have `width` cells and numbers at `places`, or `usual`.
 
-    `usual`: that of the header, which is taken where no separator does. With another one all cells must be
-    numbers: blanks and decimal commas could be taken for each other around a text."""
+    For another one all cells must be numbers: blanks and decimal commas look alike around a text."""
     order = [";", "\t", usual, ",", " "]
     needed = {separator: tuple(places) if separator == usual else range(width) for separator in order}
 
@@ -60,9 +59,7 @@ def separator_of(rows: Lines, width: int, places: Iterable[int], usual: str) -> 
 
 
 def cells_of(rows: Lines, width: int, separator: str, decimal: str | None) -> list[str]:
-    """The cells of all rows, row after row, `width` in each.
-
-    TableError for a row with more, and between blanks for a row with fewer: which one lacks is not known."""
+    """The cells of all rows, row after row, `width` in each. TableError for another number of cells."""
     joined = separator.join(rows.texts)
     is_plain = separator != " " and '"' not in joined
     if is_plain and {text.count(separator) for text in rows.texts} == {width - 1}:
@@ -93,9 +90,7 @@ def _without_empty_end(cells: list[str], width: int) -> list[str]:
 
 
 def _joined(row: Line, width: int) -> list[str]:
-    """The cells of a row whose commas separate and are decimal signs, too.
-
-    TableError where there is no way, or more than one, to make `width` cells."""
+    """The cells of a row whose commas separate and are decimal signs. TableError unless just one way fits."""
     parts = _without_empty_end(row.text.split(","), 2 * width)
     joins = [bool(WHOLE_PART.fullmatch(a) and DECIMALS.fullmatch(b)) for a, b in pairwise(parts)]
     # ways[k][n]: in how many ways the parts from k on make n cells
@@ -123,10 +118,7 @@ def _joined(row: Line, width: int) -> list[str]:
 
 
 def has_decimal_comma(columns: Iterable[Sequence[str]], separator: str) -> bool:
-    """Whether the comma is the decimal sign of cells.
-
-    Between commas a cell such as "1,331" may be a quoted number with thousands, so that some cell must be no
-    such number."""
+    """Whether the comma is the decimal sign. Between commas "1,331" may be a quoted number with thousands."""
     with_comma = [cell.strip("\"' \t") for column in columns for cell in column if "," in cell]
     if separator != ",":
         return bool(with_comma)
@@ -134,8 +126,7 @@ def has_decimal_comma(columns: Iterable[Sequence[str]], separator: str) -> bool:
 
 
 def likely_thousand(columns: Iterable[Sequence[str]], separator: str) -> str:
-    """A number such as 1.145 whose point may separate thousands, as where semicolons separate columns; empty
-    where any number tells that the point is the decimal sign."""
+    """A number such as 1.145 whose point may separate thousands; empty where any number tells otherwise."""
     dotted = [cell.strip("\"' \t") for column in columns for cell in column if "." in cell]
     may_be = separator == ";" and all(THOUSAND.fullmatch(cell) for cell in dotted)
     return dotted[0] if may_be and dotted else ""

@@ -52,8 +52,7 @@ class Lines:
 
 
 def decoded_text(path: Path, what: str) -> tuple[str, bool]:
-    """The text of a file of numbers, and whether the text is in UTF-8. TableError, which calls the file
-    `what`, for a file that cannot be read."""
+    """The text of the file `what`, and whether it is in UTF-8. TableError for a file that cannot be read."""
     if path.is_dir():
         raise TableError(f"{path} is a folder: allowed is a file with a {what}")
     try:

@@ -109,8 +109,7 @@ def _last_unit(text: str) -> re.Match[str] | None:
 
 
 def in_unit(values: Array, factor: float) -> Array:
-    """Values, shape (n,), times a factor. Rounded once where the factor is a short decimal: 4.1 mm is
-    0.0041 m to the last digit."""
+    """Values times a factor, rounded once where the factor is a short decimal: 4.1 mm is 0.0041 m exactly."""
     exact = Decimal(repr(factor)).normalize()
     digits, exponent = exact.as_tuple()[1:]
     if factor == 1.0 or len(digits) > 3:
