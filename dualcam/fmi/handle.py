@@ -1,5 +1,4 @@
-"""What the handles for co-simulation and for model exchange have in common: variables by name, derivatives,
-saved states."""
+"""What the handles for co-simulation and model exchange share: variables by name, derivatives, states."""
 
 from __future__ import annotations
 
@@ -104,9 +103,7 @@ class Handle(ProcessBound):
 
     @property
     def time(self) -> float:
-        """Present time [s], at which the next step begins. FmuError where the FMU is closed.
-
-        The times of many equal steps add up rounding errors. Assigning the exact time removes them."""
+        """Present time [s], at which the next step begins. Steps add up rounding errors; assigning removes them."""
         self._instance.require_open()
         return self._time
 
@@ -132,7 +129,7 @@ class Handle(ProcessBound):
             tolerance = number_of(tolerance, "tolerance", "a finite number > 0, or None")
         instance = self._instance
         if not self._is_new:
-            instance.reset()
+            instance.call(instance.RESET)
         self._is_new = False
         instance.refuse_calls(START_FAILED)
         if self._is_dual_cam:
@@ -182,7 +179,7 @@ class Handle(ProcessBound):
         return variable
 
     def reals(self, *names: str) -> Reals:
-        """A group of real variables that is read or written often.
+        """A group of real variables that is read or written often, with its own buffer.
 
         Parameters
         ----------
@@ -192,7 +189,6 @@ class Handle(ProcessBound):
         Returns
         -------
         Reals
-            The group, with its own buffer.
 
         Raises
         ------
@@ -246,7 +242,7 @@ class Handle(ProcessBound):
         Returns
         -------
         float
-            The value, in the variable's unit.
+            In the variable's unit.
         """
         self.variable(name, "real")
         return float(self.get(name))
@@ -312,13 +308,11 @@ class Handle(ProcessBound):
     def directional_derivative(
         self, unknowns: Sequence[str], knowns: Sequence[str], seed: ArrayLike
     ) -> Array:
-        """Product of the partial derivatives with a direction.
+        """Product of the partial derivatives with a direction: jacobian(unknowns, knowns) @ seed.
 
         Parameters
         ----------
-        unknowns : sequence of str, shape (n,)
-            As in `jacobian`.
-        knowns : sequence of str, shape (m,)
+        unknowns, knowns : sequence of str, shapes (n,) and (m,)
             As in `jacobian`.
         seed : array_like, shape (m,)
             The direction, in the units of the knowns.
@@ -326,7 +320,6 @@ class Handle(ProcessBound):
         Returns
         -------
         ndarray, shape (n,)
-            jacobian(unknowns, knowns) @ seed.
 
         Raises
         ------

@@ -10,7 +10,7 @@ import ctypes
 from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Callable, Sequence
-from ctypes import c_double, c_size_t, c_uint, c_void_p
+from ctypes import c_double, c_int, c_size_t, c_uint, c_void_p
 from functools import partial
 from pathlib import Path
 from typing import Any, ClassVar, Literal, NoReturn
@@ -35,15 +35,9 @@ class Instance(ABC):
     """A loaded binary with one instance, freed once. It has no reference to its handle: a dropped handle can
     free it. While calls are not allowed, `get_real`, `set_real` and `do_step` say why."""
 
-    # names of the FMI functions
-    GET_REAL: ClassVar[str]
-    SET_REAL: ClassVar[str]
-    DO_STEP: ClassVar[str]
-    FREE_INSTANCE: ClassVar[str]
-    FREE_STATE: ClassVar[str]
-    RESET: ClassVar[str]
-    EXIT_INITIALIZATION: ClassVar[str]
-    SET_STATE: ClassVar[str]
+    VERSION: ClassVar[int]  # of FMI
+    GET_REAL = SET_REAL = DO_STEP = RESET = EXIT_INITIALIZATION = SET_STATE = ""  # names of FMI functions
+    ENUMERATION: ClassVar[str]  # the type as which enumerations are read and written
     CTYPES: ClassVar[dict[str, Any]]  # type of a variable -> type in C
 
     get_real: Function
@@ -125,6 +119,10 @@ class Instance(ABC):
         if not self.is_open:
             raise FmuError(CLOSED)
 
+    def named(self, two: str, three: str = "") -> str:
+        """The name of an FMI function by its end in FMI 2.0, and its end in FMI 3.0 where that differs."""
+        return f"fmi3{three or two}" if self.VERSION == 3 else f"fmi2{two}"
+
     def function(self, name: str) -> Function:
         """The FMI function `name`, which returns FMI's status. Its arguments are values of ctypes."""
         return self.library[name]  # a new object, which shares no argument types
@@ -158,7 +156,7 @@ class Instance(ABC):
         for address in list(self.states):
             self.free_state(address)
         self._close()
-        free = getattr(self.library, self.FREE_INSTANCE)
+        free = getattr(self.library, self.named("FreeInstance"))
         free.restype = None
         free(self.component)
         self._unload()
@@ -196,23 +194,24 @@ class Instance(ABC):
         """Leave initialization mode: the run begins."""
         self.call(self.EXIT_INITIALIZATION)
 
-    def reset(self) -> None:
-        """Back to the start values."""
-        self.call(self.RESET)
-
     # ---- values ----
+
+    def sized(self, values: object, count: c_size_t) -> tuple[object, ...]:
+        """`values` as arguments: FMI 3.0 wants their number again."""
+        return (values, count) if self.VERSION == 3 else (values,)
 
     def real_arguments(self, references: References, values: Reals) -> tuple[object, ...]:
         """The arguments of get_real and set_real for a group of variables."""
-        return (self.component, references, c_size_t(len(references)), values)
+        return (self.component, *self.access_arguments(references, values))
 
-    @abstractmethod
     def access(self, action: Literal["Get", "Set"], type_name: str) -> str:
         """Name of the FMI function that gets or sets variables of that type."""
+        return self.named(f"{action}{self.ENUMERATION if type_name == 'Enumeration' else type_name}")
 
-    @abstractmethod
     def access_arguments(self, references: References, values: object) -> tuple[object, ...]:
         """The arguments of an access function after the instance; `values` points to the values in C."""
+        count = c_size_t(len(references))
+        return (references, count, *self.sized(values, count))
 
     def get(self, variable: Variable) -> Scalar:
         """The value of a variable."""
@@ -237,9 +236,11 @@ class Instance(ABC):
         arguments = self.access_arguments(references, ctypes.byref(content))  # type: ignore[arg-type]
         self.call(self.access(action, variable.type), *arguments)
 
-    @abstractmethod
     def output_derivatives(self, references: References, order: int, values: Reals) -> None:
         """Fill `values` with the time derivatives of outputs."""
+        count, orders = c_size_t(len(references)), (c_int * len(references))(*[order] * len(references))
+        name = self.named("GetRealOutputDerivatives", "GetOutputDerivatives")
+        self.call(name, references, count, orders, *self.sized(values, count))
 
     @abstractmethod
     def input_derivatives_call(
@@ -252,17 +253,24 @@ class Instance(ABC):
         call = self.input_derivatives_call(references, [order] * len(references), values)
         self.check(call(), "setting derivatives of inputs")
 
-    @abstractmethod
     def directional_derivative(
         self, unknowns: References, knowns: References, seed: Reals, product: Reals
     ) -> None:
         """Fill `product` with the partial derivatives of `unknowns` by `knowns` times `seed`."""
+        rows, columns = c_size_t(len(unknowns)), c_size_t(len(knowns))
+        values = (*self.sized(seed, columns), *self.sized(product, rows))
+        self.call(self.named("GetDirectionalDerivative"), unknowns, rows, knowns, columns, *values)
 
     # ---- states ----
 
-    @abstractmethod
     def save_state(self) -> int:
         """The address of a copy of the whole state."""
+        address, name = c_void_p(), self.named("GetFMUstate", "GetFMUState")
+        self.call(name, ctypes.byref(address))
+        if address.value is None:
+            raise FmuError(f"{name} gave no state")
+        self.states.add(address.value)
+        return address.value
 
     def restore_state(self, address: int) -> None:
         """Go back to a saved state."""
@@ -272,41 +280,17 @@ class Instance(ABC):
         """Free a saved state, once."""
         if address in self.states:
             self.states.remove(address)
-            self.call(self.FREE_STATE, ctypes.byref(c_void_p(address)))
-
-    def _kept(self, name: str, address: c_void_p) -> int:
-        """The address of a new state, to be freed later."""
-        if address.value is None:
-            raise FmuError(f"{name} gave no state")
-        self.states.add(address.value)
-        return address.value
+            self.call(self.named("FreeFMUstate", "FreeFMUState"), ctypes.byref(c_void_p(address)))
 
     # ---- model exchange ----
-
-    @abstractmethod
-    def enter_event_mode(self) -> None: ...
 
     @abstractmethod
     def update_discrete_states(self) -> bool:
         """One event iteration; whether another one is needed. FmuError if the FMU ends the simulation."""
 
-    @abstractmethod
-    def enter_continuous_time_mode(self) -> None: ...
-
-    @abstractmethod
-    def set_time(self, time: float) -> None: ...
-
-    @abstractmethod
-    def set_states(self, states: Reals) -> None: ...
-
-    @abstractmethod
-    def get_states(self, states: Reals) -> None: ...
-
-    @abstractmethod
-    def get_derivatives(self, derivatives: Reals) -> None: ...
-
-    @abstractmethod
-    def get_event_indicators(self, indicators: Reals) -> None: ...
+    def call_on_vector(self, name: str, values: Reals) -> None:
+        """An FMI function that reads or writes states, their derivatives or event indicators."""
+        self.call(name, values, c_size_t(len(values)))
 
 
 def _scalar(variable: Variable) -> Variable:

@@ -45,30 +45,24 @@ def fmu_path(kind: str, fmi: int = 2) -> Path:
         raise FmuError(f"fmu_path(kind={kind!r}): allowed are {', '.join(map(repr, MODELS))}")
     if type(fmi) is not int or fmi not in (2, 3):
         raise FmuError(f"fmu_path(fmi={fmi!r}): allowed are 2 (FMI 2.0) and 3 (FMI 3.0)")
-    file = f"{MODELS[kind]}.fmu"
-    build = PACKAGE.parent / "build"
-    places = [PACKAGE / "fmus" / f"fmi{fmi}" / file, (build if fmi == 2 else build / "fmi3") / file]
-    for path in places:
-        if path.is_file():
-            return path
-    raise FmuError(
-        f"{file} of FMI {fmi}.0 is missing: looked for {' and '.join(map(str, places))}. In a checkout run"
-        " ./build.sh, which makes the FMUs in build/; an installed package has the FMUs inside: install"
-        " the package again"
+    folder = f"fmus/fmi{fmi}", "build" if fmi == 2 else "build/fmi3"
+    return _found(
+        f"{MODELS[kind]}.fmu",
+        folder,
+        f" of FMI {fmi}.0",
+        "which makes the FMUs in build/; an installed package has the FMUs inside: install the package again",
     )
 
 
 def fleet_library_path() -> Path:
     """Path of the library of `dualcam.Fleet` for the running Python. FmuError where there is none."""
-    file, platform = f"dualcam_fleet{library_suffix()}", platform_tuple()
-    places = [folder / platform / file for folder in (PACKAGE / "fleet/lib", PACKAGE.parent / "build/fleet")]
-    for path in places:
-        if path.is_file():
-            return path
-    raise FmuError(
-        f"the library of dualcam.Fleet for {platform} is missing: looked for"
-        f" {' and '.join(map(str, places))}. In a checkout run ./build.sh, which makes the library; an"
-        " installed package has those for Linux (x86-64, aarch64), Windows (64 and 32 bits) and macOS"
+    platform = platform_tuple()
+    return _found(
+        f"{platform}/dualcam_fleet{library_suffix()}",
+        ("fleet/lib", "build/fleet"),
+        f", the library of dualcam.Fleet for {platform},",
+        "which makes the library; an installed package has"
+        " those for Linux (x86-64, aarch64), Windows (64 and 32 bits) and macOS",
     )
 
 
@@ -76,15 +70,23 @@ def web_path(name: str) -> Path:
     """The file "DualCamForward.wasm" or "DualCamInverse.wasm", the folder "three", or a file in it."""
     if not isinstance(name, str) or not name:
         raise FmuError(f"web_path(name={name!r}): allowed is the name of a file or folder, such as 'three'")
-    places = [folder / name for folder in (PACKAGE / "web", PACKAGE.parent / "build" / "web")]
+    return _found(
+        name,
+        ("web", "build/web"),
+        "",
+        "which makes build/web and warns where three.js cannot be downloaded;"
+        " an installed package has the files inside: install the package again",
+    )
+
+
+def _found(name: str, folders: tuple[str, str], what: str, remedy: str) -> Path:
+    """`name` in a folder of the installed package, or of a checkout. FmuError where it is in none."""
+    places = [root / folder / name for root, folder in zip((PACKAGE, PACKAGE.parent), folders, strict=True)]
     for path in places:
         if path.exists():
             return path
-    raise FmuError(
-        f"{name} is missing: looked for {' and '.join(map(str, places))}. In a checkout run ./build.sh, which"
-        " makes build/web and warns where three.js cannot be downloaded; an installed package has the files"
-        " inside: install the package again"
-    )
+    looked = " and ".join(map(str, places))
+    raise FmuError(f"{name}{what} is missing: looked for {looked}. In a checkout run ./build.sh, {remedy}")
 
 
 def source_path(source: str | Path, fmi: int | None = None) -> Path:
