@@ -8,9 +8,9 @@ import pytest
 
 from dualcam import Fmu, FmuError
 from dualcam.checking import check_design
+from dualcam.checking.remedies import nearest_working, round_away
 from dualcam.checking.rules import troubles
-from dualcam.checking.search import nearest_working, round_away
-from dualcam.checking.values import with_value
+from dualcam.checking.trouble import with_value
 from dualcam.design import (
     DesignError,
     Ellipse,

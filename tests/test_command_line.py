@@ -22,7 +22,7 @@ from dualcam.cli import main
 from dualcam.cli.main import COMMANDS
 from dualcam.cli.new import TEMPLATES
 from dualcam.cli.output import say_where_it_runs
-from dualcam.fmi.platforms import binary_folders
+from dualcam.fmi.binary import binary_folders
 
 SCHEMAS = Path(fmpy.__file__).parent / "ssp/schema"
 

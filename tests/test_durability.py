@@ -11,7 +11,7 @@ from driver import ROOT
 from lxml import etree
 
 from dualcam.checking import check_design
-from dualcam.checking.values import shown_beside, with_value
+from dualcam.checking.trouble import shown_beside, with_value
 from dualcam.cli import main
 from dualcam.design import HelicalSpring, Pin, Roller, line_contact, wear
 from dualcam.design_file import DesignFileError, read_design, write_template

@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-from dualcam.checking.trouble import ERROR, WARNING, Remedy, Trouble, finding_of
-from dualcam.checking.values import shown_beside
+from dualcam.checking.trouble import ERROR, WARNING, Remedy, Trouble, finding_of, shown_beside
 from dualcam.design import HelicalSpring, Limits, Mechanism, find_springs
 from dualcam.design.helical_spring import INDEX
 from dualcam.design.spring_steel import DYNAMIC_GRADES

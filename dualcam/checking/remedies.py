@@ -8,9 +8,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from dualcam.checking.rules import troubles
-from dualcam.checking.search import nearest_working
-from dualcam.checking.trouble import ERROR, Remedy, Trouble
-from dualcam.checking.values import value_of, with_value
+from dualcam.checking.trouble import ERROR, Remedy, Trouble, value_of, with_value
 from dualcam.design_file import DesignFile, Finding
 from dualcam.errors import DualcamError
 from dualcam.fmi.variables import all_parameters
@@ -21,6 +19,10 @@ SMALLEST_SHARE = 0.1  # of the range that the file gives
 SMALLEST_LEAD_ANGLE = math.radians(1.0)
 SMALLEST_FRICTION = 0.02  # of a lubricated contact
 LARGEST_FACTOR = {"spring.preload": 3.0, "pin.width": 5.0, "pin.radius": 5.0}
+DIGITS = 4  # of a proposed value
+# Shares of the way to the bound that are tried until one works: denser at both ends.
+SHARES = sorted({(k / 24) ** 2 for k in range(1, 25)} | {1.0 - 0.5**k for k in range(1, 20)})
+HALVINGS = 40
 
 
 class Kinds(NamedTuple):
@@ -111,3 +113,47 @@ def _shown(key: str, value: float) -> str:
         return f'"{1e3 * value:.10g} mm"'
     degrees = f" ({math.degrees(value):.4g} deg)" if unit == "rad" else ""
     return f"{value:.10g}" if unit == "1" else f"{value:.10g} {unit}{degrees}"
+
+
+def nearest_working(current: float, bound: float, works: Callable[[float], bool]) -> float | None:
+    """The value nearest to `current` on the way to `bound` that works, rounded towards `bound`, or None."""
+    last = current
+    for share in SHARES:
+        probe = current + (bound - current) * share
+        if works(probe):
+            edge = _edge(last, probe, 1e-6 * abs(bound - current), works)
+            return _rounded(edge, current, bound, works)
+        last = probe
+    return None
+
+
+def _edge(bad: float, good: float, close: float, works: Callable[[float], bool]) -> float:
+    """The working value next to values that do not work, to `close` or a ten-millionth of the value."""
+    for _ in range(HALVINGS):
+        middle = 0.5 * (bad + good)
+        if middle in (bad, good) or abs(good - bad) <= max(close, 1e-7 * abs(good)):
+            break
+        if works(middle):
+            good = middle
+        else:
+            bad = middle
+    return good
+
+
+def _rounded(edge: float, current: float, bound: float, works: Callable[[float], bool]) -> float:
+    """`edge` with few digits, rounded towards the bound; `edge` itself if no such value works."""
+    for digits in range(DIGITS, 10):
+        rounded = round_away(edge, digits, up=bound > current)
+        within = min(current, bound) <= rounded <= max(current, bound)
+        if within and works(rounded):
+            return rounded
+    return edge
+
+
+def round_away(value: float, digits: int, up: bool) -> float:
+    """`value` to that many digits, up or down."""
+    if value == 0.0:
+        return 0.0
+    unit = 10.0 ** (math.floor(math.log10(abs(value))) - digits + 1)
+    count = math.ceil(value / unit) if up else math.floor(value / unit)
+    return float(f"{count * unit:.{digits}g}")

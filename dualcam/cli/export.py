@@ -47,7 +47,7 @@ def command(
     from dualcam.design_file import read_design
     from dualcam.export import export_fmu
     from dualcam.export.scenario import FILE, scenario_for
-    from dualcam.fmi.platforms import folders_of
+    from dualcam.fmi.binary import folders_of
 
     require_folder_of(output)
     design = read_design(design_file)

@@ -44,10 +44,10 @@ def command(fmu: str, fmi: str | None, variables: str, shows_all: bool, as_json:
     The binary of an FMU of this project holds the start values. Other start values in its
     modelDescription.xml are a warning.
     """
-    from dualcam.export.edited import edited_start_values
+    from dualcam.export.start_block import edited_start_values
+    from dualcam.fmi.binary import folders_of
     from dualcam.fmi.library import MODELS, source_path
     from dualcam.fmi.model_description import read_model_description
-    from dualcam.fmi.platforms import folders_of
 
     if fmi is not None and fmu not in MODELS:
         raise click.UsageError(

@@ -43,7 +43,7 @@ def warn(text: str) -> None:
 
 def say_where_it_runs(fmu: Path) -> None:
     """A line where the FMU from which others are made runs on this machine's platform alone."""
-    from dualcam.fmi.platforms import folders_of, is_for_this_platform_alone
+    from dualcam.fmi.binary import folders_of, is_for_this_platform_alone
 
     if is_for_this_platform_alone(fmu):
         say(

@@ -13,14 +13,11 @@ from dualcam.common.archive import read_members, write_archive
 from dualcam.common.unit_guards import units_checked_before
 from dualcam.design_file import as_design
 from dualcam.errors import DualcamWarning, ExportError
-from dualcam.export.changed import PAGE, Change, changed_members
+from dualcam.export.changed import PAGE, Change, changed_members, exported_related_files
 from dualcam.export.curves import START_INPUTS, SlowMotionCurves, slow_motion_curves
 from dualcam.export.description import Description, typed
-from dualcam.export.figures import figures
-from dualcam.export.names import model_identifier, target_path
-from dualcam.export.page import exported_page
+from dualcam.export.page import exported_page, figures
 from dualcam.export.reference import Reference, reference_result
-from dualcam.export.related_files import exported_related_files
 from dualcam.export.scenario import FILE as SCENARIO_FILE
 from dualcam.export.scenario import scenario_for, scenario_table, scenario_text
 from dualcam.fmi.fmu import Fmu
@@ -30,6 +27,11 @@ from dualcam.fmi.variables import all_parameters, inputs_of, parameters_of, unus
 
 if TYPE_CHECKING:
     from dualcam.scenario.scenario import Scenario
+import re
+
+from dualcam.common.paths import path_of
+
+SUFFIX = ".fmu"
 
 
 @runtime_checkable
@@ -241,3 +243,54 @@ def _core_members(plan: ExportPlan, before: Mapping[str, bytes]) -> tuple[dict[s
     members = changed_members(before, Change(plan.identifier, root, plan.start, plan.tables))
     members |= exported_related_files(before, description.identifier, plan.identifier)
     return members, names
+
+
+def target_path(path: str | Path) -> Path:
+    """The absolute path of the FMU to be written. ExportError for a bad ending, sign or folder."""
+    target = path_of(path, "the FMU").expanduser().absolute()
+    if target.suffix.lower() != SUFFIX or not target.stem.isprintable():
+        raise ExportError(
+            f"{str(path)!r}: allowed is a file name that ends in {SUFFIX}, such as MyCam{SUFFIX}"
+        )
+    try:
+        is_folder, has_folder = target.is_dir(), target.parent.is_dir()
+    except OSError as error:  # as a name that is too long
+        raise ExportError(f"{target} cannot be written: {error.strerror}") from error
+    if is_folder:
+        raise ExportError(
+            f"{target} is a folder: allowed is the name of a file; remove the folder or choose another"
+        )
+    if not has_folder:
+        raise ExportError(
+            f"the folder {target.parent} does not exist: create it first, or choose another folder"
+        )
+    return target
+
+
+def model_identifier(name: str) -> str:
+    """The C identifier of a model: FMI demands one for the names of binaries and functions.
+
+    Parameters
+    ----------
+    name
+        Model name, which may be any text with a letter from a to z or a digit.
+
+    Returns
+    -------
+    str
+        `name`, with "_" instead of each character that is not allowed, and before a digit at the beginning.
+
+    Raises
+    ------
+    ExportError
+        No letter from a to z and no digit is in the name.
+
+    Examples
+    --------
+    >>> model_identifier("my cam")
+    'my_cam'
+    """
+    if not re.search(r"[A-Za-z0-9]", name):
+        raise ExportError(f"name {name!r}: allowed is a name with at least one letter from a to z or digit")
+    identifier = re.sub(r"[^A-Za-z0-9_]", "_", name)
+    return f"_{identifier}" if identifier[0].isdigit() else identifier

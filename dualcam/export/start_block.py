@@ -13,10 +13,13 @@ from __future__ import annotations
 import struct
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 
-from dualcam.errors import ExportError
+from dualcam.errors import DualcamError, ExportError
 from dualcam.export import mach_o
 from dualcam.export.description import AGAIN
+from dualcam.fmi.binary import own_binary
+from dualcam.fmi.model_description import ModelDescription, Variable
 
 MARK = b"dualcam start values, layout 1\n\0"
 HEAD = struct.Struct("<32s4I64s")
@@ -107,3 +110,30 @@ def _padded(what: str, text: str, size: int) -> bytes:
     if len(content) >= size:
         raise ExportError(f"{what} {text!r} has {len(content)} bytes: allowed are up to {size - 1}")
     return content.ljust(size, b"\0")
+
+
+def edited_start_values(path: Path, description: ModelDescription) -> list[str]:
+    """One sentence for each start value in the XML that is not that of the binary for this machine."""
+    try:
+        binary = own_binary(path, description)
+        block = None if binary is None else read_start_values(binary)
+        return [] if block is None else _differences(description, block)
+    except (DualcamError, IndexError) as error:
+        return [f"the start values in the binary cannot be read: {error}"]
+
+
+def _differences(description: ModelDescription, block: StartValues) -> list[str]:
+    return [
+        f"{variable.name}: modelDescription.xml says {variable.start!r}, but the FMU starts from"
+        f" {_in_words(variable, used)}, the value in its binary: change the design file and export again"
+        for variable in description.variables
+        if variable.start is not None
+        and (used := block.value(variable.value_reference, variable.kind == "string")) != variable.start
+    ]
+
+
+def _in_words(variable: Variable, value: float | str) -> str:
+    """The value by the variable's type."""
+    if isinstance(value, str) or variable.kind == "real":
+        return repr(value)
+    return repr(bool(value) if variable.kind == "boolean" else int(value))

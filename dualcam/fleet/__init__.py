@@ -8,7 +8,7 @@ May import common, fmi.
 """
 
 from dualcam.errors import FleetError
+from dualcam.fleet.core import FleetState
 from dualcam.fleet.fleet import Fleet
-from dualcam.fleet.state import FleetState
 
 __all__ = ["Fleet", "FleetError", "FleetState"]

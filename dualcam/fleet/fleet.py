@@ -18,17 +18,18 @@ from dualcam.common.arrays import Array, number_of, positive_number, real_array
 from dualcam.common.process_bound import ProcessBound
 from dualcam.common.unit_guards import warn_units
 from dualcam.errors import FleetError, FmuError, UnknownVariableError
-from dualcam.fleet.arguments import (
+from dualcam.fleet.core import Core, FleetState, NotFiniteError
+from dualcam.fleet.native import Ports, address, pointer_to
+from dualcam.fleet.values import (
+    NUMBERS,
+    FleetValue,
+    Layout,
     chosen_instances,
     output_buffer,
     relative_tolerance,
     steps_of,
     whole_number,
 )
-from dualcam.fleet.core import Core, NotFiniteError
-from dualcam.fleet.native import Ports, address, pointer_to
-from dualcam.fleet.state import FleetState
-from dualcam.fleet.values import NUMBERS, FleetValue, Layout
 from dualcam.fmi.handle import OWN_NAMES, names_of, unknown_variable
 from dualcam.fmi.library import source_path
 from dualcam.fmi.model_description import Variable, read_model_description

@@ -103,7 +103,7 @@ class Handle(ProcessBound):
 
     @property
     def time(self) -> float:
-        """Present time [s], at which the next step begins. Steps add up rounding errors; assigning removes them."""
+        """Present time [s], where the next step begins. Assigning it removes the rounding of many steps."""
         self._instance.require_open()
         return self._time
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from dualcam.errors import FmuError
-from dualcam.fmi.platforms import library_suffix, platform_tuple
+from dualcam.fmi.binary import library_suffix, platform_tuple
 
 MODELS = {"forward": "DualCamForward", "inverse": "DualCamInverse"}
 PACKAGE = Path(__file__).resolve().parents[1]

@@ -13,7 +13,7 @@ from gymnasium.vector.utils import batch_space
 from numpy.typing import ArrayLike, NDArray
 
 from dualcam.errors import TaskError
-from dualcam.fleet.arguments import whole_number
+from dualcam.fleet.values import whole_number
 from dualcam.fmi.reals import Array
 from dualcam.gym.batch import Batch
 from dualcam.gym.car_door_task import CarDoorTask

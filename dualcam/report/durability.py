@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dualcam.common.html_page import table
-from dualcam.common.svg import figure_element
+from dualcam.common.html_page import figure_element, table
 from dualcam.design import Limits
 from dualcam.design_file.durability import (
     largest_contact,

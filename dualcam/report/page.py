@@ -13,9 +13,8 @@ import numpy as np
 
 import dualcam
 from dualcam.checking import Verdict, check_design
-from dualcam.common.html_page import page, table
+from dualcam.common.html_page import figure_element, page, table
 from dualcam.common.paths import page_path_of, write_text
-from dualcam.common.svg import figure_element
 from dualcam.design import TorqueBand, torque_band
 from dualcam.design.torque_band import NOT_LOCKING, span
 from dualcam.design_file import as_design

@@ -8,8 +8,17 @@ read_columns            columns by the names in the header, as plans of studies 
 fmu_text, is_fmu_text   the one format that the FMU reads
 """
 
-from dualcam.common.tables.fmu_format import FRICTION_HEADERS, GROOVE_HEADER, fmu_text, is_fmu_text
-from dualcam.common.tables.kinds import ANGLE_NAMES, TORQUE_NAMES, ColumnKind, TableError, TableKind
+from dualcam.common.tables.kinds import (
+    ANGLE_NAMES,
+    FRICTION_HEADERS,
+    GROOVE_HEADER,
+    TORQUE_NAMES,
+    ColumnKind,
+    TableError,
+    TableKind,
+    fmu_text,
+    is_fmu_text,
+)
 from dualcam.common.tables.reader import Converter, HumanTable, read_columns, read_table
 from dualcam.common.tables.units import UNITS, in_unit
 

@@ -9,8 +9,7 @@ from itertools import islice
 from typing import NamedTuple
 
 from dualcam.common.tables.kinds import ColumnKind, TableError, TableKind
-from dualcam.common.tables.rows import LONGEST, SEPARATORS, is_number, split
-from dualcam.common.tables.text import Line, Lines
+from dualcam.common.tables.rows import LONGEST, SEPARATORS, Line, Lines, is_number, split
 from dualcam.common.tables.units import KINDS, UNITS, Head, head_of, known_unit
 
 FIRST_LINES = 200  # among which the header is

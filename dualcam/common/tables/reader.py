@@ -11,7 +11,6 @@ from pathlib import Path
 import numpy as np
 
 from dualcam.common.arrays import Array
-from dualcam.common.tables.fmu_format import is_fmu_text
 from dualcam.common.tables.header import (
     Column,
     Header,
@@ -20,17 +19,19 @@ from dualcam.common.tables.header import (
     without_separator_line,
     words_above_numbers,
 )
-from dualcam.common.tables.kinds import TableError, TableKind
+from dualcam.common.tables.kinds import TableError, TableKind, is_fmu_text
 from dualcam.common.tables.rows import (
+    Lines,
     cells_of,
+    decoded_text,
     has_decimal_comma,
     likely_thousand,
+    lines_of,
     name_of,
     numbers_of,
     refuse_faults,
     separator_of,
 )
-from dualcam.common.tables.text import Lines, decoded_text, lines_of
 from dualcam.common.tables.units import UNITS, in_unit
 from dualcam.common.unit_guards import unit_warning
 from dualcam.errors import UnitWarning
