@@ -26,9 +26,6 @@ def durability(design: DesignFile, mechanism: Mechanism, propose: bool) -> list[
     return [*_spring(design, mechanism, propose), *_roller(design), *_wear(design, mechanism)]
 
 
-# ---- spring ----
-
-
 def _spring(design: DesignFile, mechanism: Mechanism, propose: bool) -> list[Trouble]:
     spring = design.helical_spring
     least, largest = spring_forces(mechanism)
@@ -192,9 +189,6 @@ def _rounded_up(length: float) -> float:
     return float(f"{math.ceil(length / scale - 1e-9) * scale:.4g}")
 
 
-# ---- roller ----
-
-
 def _roller(design: DesignFile) -> list[Trouble]:
     roller = design.roller
     if roller is None:
@@ -218,9 +212,6 @@ def _roller(design: DesignFile) -> list[Trouble]:
             )
             found.append(Trouble(finding_of(design, "roller friction", key, text, WARNING)))
     return found
-
-
-# ---- wear ----
 
 
 def _wear(design: DesignFile, mechanism: Mechanism) -> list[Trouble]:

@@ -64,9 +64,6 @@ def troubles(design: DesignFile, locate: bool = True) -> list[Trouble]:
     return [*found, *durability(design, mechanism, propose=locate)]
 
 
-# ---- stops and what cannot be a mechanism ----
-
-
 def _stops(design: DesignFile) -> list[Trouble]:
     low, high = design.value("stop.lower"), design.value("stop.upper")
     if low < high:
@@ -85,9 +82,6 @@ def _impossible(design: DesignFile, error: DesignError) -> Trouble:
     steep = [f"cam{i}.lead_angle" for i in (1, 2) if design.value(f"cam{i}.profile") != 3]
     remedies = tuple(Remedy(key, 0.1) for key in steep if value_of(design, key) > 0.1)
     return Trouble(finding_of(design, "groove", remedies[0].key if remedies else "", str(error)), remedies)
-
-
-# ---- failures of the assessment ----
 
 
 def _trouble(design: DesignFile, mechanism: Mechanism, failure: LimitViolation) -> Trouble:
@@ -157,9 +151,6 @@ def _of_groove(design: DesignFile, failure: LimitViolation, i: int) -> Trouble:
         text += "; this limit is the default of limits.pressure"
     finding = finding_of(design, f"contact pressure {i}", "pin.width", text)
     return Trouble(finding, (Remedy("pin.width", 0.2), Remedy("spring.preload", 0.0), *shorter))
-
-
-# ---- spring, start, imposed motion ----
 
 
 def _solid_length(design: DesignFile, mechanism: Mechanism) -> list[Trouble]:

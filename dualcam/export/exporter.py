@@ -77,6 +77,11 @@ def export_fmu(
 ) -> Path:
     """Make an FMU whose start values are those of a design. No compiler is needed.
 
+    In the binaries, for all platforms of the project's FMU, only the block with GUID and start values
+    differs: with the same parameters both FMUs compute the same bits. Tables become `cam1.csv` and `cam2.csv` in the
+    FMU's resources, the inputs of a scenario that drives this model `extra/scenario_in.csv`. The same design
+    and name give the same GUID and bytes; the figures depend on the version of Matplotlib.
+
     Parameters
     ----------
     design
@@ -86,9 +91,9 @@ def export_fmu(
     fmi
         Version of FMI, 2 or 3.
     model
-        "forward" or "inverse"; None: as the design says. The inverse FMU lacks `initial.theta` and
-        `initial.omega`: these two become the start values of its inputs `theta` and `omega`. Where the stops
-        exclude theta = 0 and the design has no `initial.theta`, `theta` starts at the nearest stop.
+        "forward" or "inverse"; None: as the design says. In the inverse FMU `initial.theta` and
+        `initial.omega` become the start values of its inputs `theta` and `omega`. Where the stops exclude
+        theta = 0 and the design has no `initial.theta`, `theta` starts at the nearest stop.
 
     Returns
     -------
@@ -106,15 +111,6 @@ def export_fmu(
     -----
     UserWarning
         The stem of `path` is no C identifier: the names of the binaries differ from the model name.
-
-    Notes
-    -----
-    The binaries are those of the project's FMU, for all platforms that it holds. Only the block with GUID and
-    start values differs. So the exported FMU computes bit for bit what the project's FMU computes with the
-    same parameters. Tables become `cam1.csv` and `cam2.csv`
-    in the FMU's resources. The inputs of a scenario that drives this model become `extra/scenario_in.csv`;
-    the FMU's page shows how to play them. The same
-    design and name give the same GUID and the same bytes; the figures depend on the version of Matplotlib.
 
     Examples
     --------

@@ -113,8 +113,6 @@ class Core:
         finally:
             self._lock.release()
 
-    # ---- failures ----
-
     def failed(self) -> NDArray[np.bool_]:
         """Which instances have failed, shape (count,)."""
         return self._told("fleet_failed", np.uint8).astype(bool)
@@ -152,8 +150,6 @@ class Core:
 
     def _all_failed(self) -> tuple[int, ...]:
         return tuple(int(i) for i in np.flatnonzero(self.failed()))
-
-    # ---- states ----
 
     def keep_states(self, states: NDArray[np.uintp]) -> int:
         """A key for states that `close` is to free."""

@@ -173,8 +173,6 @@ class Fleet(ProcessBound):
         """Present time of each instance [s], shape (count,)."""
         return self._core.times()
 
-    # ---- steps ----
-
     def step(self, u: ArrayLike, h: float, out: Array | None = None) -> Array:
         """One step of all instances.
 
@@ -275,8 +273,6 @@ class Fleet(ProcessBound):
             " finite numbers; no instance was stepped"
         )
 
-    # ---- runs, values, states ----
-
     def reset(
         self,
         instances: ArrayLike | None = None,
@@ -299,16 +295,6 @@ class Fleet(ProcessBound):
             state, that instance fails, and the others have begun a new run.
         FmuError
             A wrong argument: no instance was reset.
-
-        Examples
-        --------
-        >>> import numpy as np
-        >>> from dualcam import Fleet
-        >>> with Fleet("forward", 3) as fleet:
-        ...     before = fleet.step([[8.0], [9.0], [10.0]], 0.02)  # N.m, s
-        ...     fleet.reset([1], {"initial.theta": 0.5})
-        ...     fleet.get("theta").round(3).tolist()  # rad
-        [0.656, 0.5, 0.835]
         """
         chosen = chosen_instances(instances, self.count)
         merged = self._merged(parameters or {}, chosen)
@@ -411,17 +397,6 @@ class Fleet(ProcessBound):
         ------
         FmuError
             `state` is of another fleet, or does not have the state of an instance.
-
-        Examples
-        --------
-        >>> import numpy as np
-        >>> from dualcam import Fleet
-        >>> with Fleet("forward", 2) as fleet:
-        ...     start = fleet.save()
-        ...     moved = fleet.step([[8.0], [9.0]], 0.02)  # N.m, s
-        ...     fleet.restore(start, [0])
-        ...     fleet.times.tolist(), fleet.get("theta").round(3).tolist()  # s, rad
-        ([0.0, 0.02], [0.0, 0.746])
         """
         if not isinstance(state, FleetState) or state._core is not self._core:
             raise FmuError(f"restore({state!r}): allowed is a FleetState from save of this fleet")
@@ -442,8 +417,6 @@ class Fleet(ProcessBound):
     def _can_save_state(self) -> bool:
         interface = self.description.co_simulation
         return interface is not None and interface.can_save_state
-
-    # ---- arguments ----
 
     def _variable(self, name: str) -> Variable:
         variable = self._variables.get(name) if isinstance(name, str) else None

@@ -89,8 +89,6 @@ class Fmi2Instance(Instance):
         step.argtypes = (c_void_p, c_double, c_double, c_int)  # type: ignore[attr-defined]
         return self.function(self.GET_REAL), self.function(self.SET_REAL), step
 
-    # ---- a run ----
-
     def initialization_calls(
         self, tolerance: float | None, time: float = 0.0
     ) -> list[tuple[str, tuple[object, ...]]]:
@@ -102,8 +100,6 @@ class Fmi2Instance(Instance):
             c_double(0.0),
         )
         return [("fmi2SetupExperiment", setup), ("fmi2EnterInitializationMode", ())]
-
-    # ---- values ----
 
     def input_derivatives_call(
         self, references: References, orders: Sequence[int], values: Reals

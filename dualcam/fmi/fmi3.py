@@ -82,8 +82,6 @@ class Fmi3Instance(Instance):
         step_unless_ended.__name__ = self.DO_STEP
         return step_unless_ended
 
-    # ---- a run ----
-
     def initialization_calls(
         self, tolerance: float | None, time: float = 0.0
     ) -> list[tuple[str, tuple[object, ...]]]:
@@ -95,8 +93,6 @@ class Fmi3Instance(Instance):
             c_double(0.0),
         )
         return [("fmi3EnterInitializationMode", arguments)]
-
-    # ---- values ----
 
     def input_derivatives_call(
         self, references: References, orders: Sequence[int], values: Reals

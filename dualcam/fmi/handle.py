@@ -140,8 +140,6 @@ class Handle(ProcessBound):
         self.parameters = dict(parameters)
         self._time = time
 
-    # ---- variables ----
-
     @property
     def names(self) -> list[str]:
         """Names of all variables."""
@@ -218,14 +216,6 @@ class Handle(ProcessBound):
             The FMU has no variable of that name.
         FmuError
             No run has begun, or the FMU is closed.
-
-        Examples
-        --------
-        >>> from dualcam import Fmu
-        >>> with Fmu("forward") as fmu:
-        ...     fmu.start({"tau": 5.0})
-        ...     fmu.get("tau"), fmu.get("mode"), fmu.get("ledger")  # mode 2: loading
-        (5.0, 2, True)
         """
         variable = self.variable(name)
         self._instance.require_calls_allowed()
@@ -344,8 +334,6 @@ class Handle(ProcessBound):
                 raise FmuError(f"{variable.name} is {what}: allowed is {' or '.join(DOUBLES)}, a scalar")
         return (c_uint * len(names))(*(variable.value_reference for variable in variables))
 
-    # ---- states ----
-
     def save_state(self) -> FmuState:
         """The whole state of the instance now.
 
@@ -358,17 +346,6 @@ class Handle(ProcessBound):
         ------
         FmuError
             The FMU cannot save its state, or no run has begun.
-
-        Examples
-        --------
-        >>> from dualcam import Fmu
-        >>> with Fmu("forward") as fmu:
-        ...     fmu.start({"tau": 5.0})
-        ...     state = fmu.save_state()
-        ...     fmu.step(0.1)
-        ...     fmu.restore_state(state)
-        ...     fmu.time, fmu.get("theta")
-        (0.0, 0.0)
         """
         self._instance.require_calls_allowed()
         if not self.interface.can_save_state:
@@ -395,9 +372,6 @@ class Handle(ProcessBound):
         self._instance.restore_state(state._address)
         self._instance.allow_calls()
         self._time = state._time
-
-
-# ---- arguments, error messages ----
 
 
 def names_of(names: Sequence[str], argument: str) -> list[str]:

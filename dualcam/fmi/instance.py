@@ -83,8 +83,6 @@ class Instance(ABC):
             raise FmuError(f"{path}: the FMU made no instance: {reasons}")
         return c_void_p(address)
 
-    # ---- life ----
-
     @abstractmethod
     def _instantiate(self, description: ModelDescription, use: Use) -> int | None:
         """The address of a new instance of the loaded library."""
@@ -177,8 +175,6 @@ class Instance(ABC):
         for library in (self.brief, self.library):
             unload(library._handle)
 
-    # ---- a run ----
-
     @abstractmethod
     def initialization_calls(
         self, tolerance: float | None, time: float = 0.0
@@ -193,8 +189,6 @@ class Instance(ABC):
     def exit_initialization(self) -> None:
         """Leave initialization mode: the run begins."""
         self.call(self.EXIT_INITIALIZATION)
-
-    # ---- values ----
 
     def sized(self, values: object, count: c_size_t) -> tuple[object, ...]:
         """`values` as arguments: FMI 3.0 wants their number again."""
@@ -261,8 +255,6 @@ class Instance(ABC):
         values = (*self.sized(seed, columns), *self.sized(product, rows))
         self.call(self.named("GetDirectionalDerivative"), unknowns, rows, knowns, columns, *values)
 
-    # ---- states ----
-
     def save_state(self) -> int:
         """The address of a copy of the whole state."""
         address, name = c_void_p(), self.named("GetFMUstate", "GetFMUState")
@@ -281,8 +273,6 @@ class Instance(ABC):
         if address in self.states:
             self.states.remove(address)
             self.call(self.named("FreeFMUstate", "FreeFMUState"), ctypes.byref(c_void_p(address)))
-
-    # ---- model exchange ----
 
     @abstractmethod
     def update_discrete_states(self) -> bool:

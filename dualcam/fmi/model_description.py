@@ -278,8 +278,6 @@ def _experiment(element: ElementTree.Element | None) -> DefaultExperiment:
     return DefaultExperiment(*(float(given[name]) if name in given else None for name in names))
 
 
-# ---- variables ----
-
 Attributes = dict[str, str]
 
 

@@ -39,8 +39,8 @@ INVERSE = (
 def write_view(design: DesignSource | None, path: str | Path) -> Path:
     """Write the page in which a design lives.
 
-    The page is one HTML file: the FMU's C code as WebAssembly, the mechanism in 3D, sliders for all
-    parameters. The page opens from disk and asks no network for anything.
+    The page is one HTML file that asks no network for anything: the FMU's C code as WebAssembly, the
+    mechanism in 3D, sliders for all parameters. It runs the forward model, also for an imposed motion.
 
     Parameters
     ----------
@@ -57,48 +57,24 @@ def write_view(design: DesignSource | None, path: str | Path) -> Path:
     Raises
     ------
     FmuError
-        The FMU refuses the design. The message is the FMU's. Also where the package lacks the WebAssembly.
+        The FMU refuses the design, with the FMU's message, or the package lacks the WebAssembly.
     DualcamError
-        For another ending than .html, or a groove table that cannot be read.
-    FileError
-        The system refuses to write the file.
-
-    Notes
-    -----
-    The page runs the forward model, also for a design whose scenario imposes the motion.
+        For another ending than .html, a groove table that cannot be read, or a file that cannot be written.
 
     Examples
     --------
     >>> import tempfile
-    >>> from dualcam.design_file import write_template
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     design = write_template("minimal", Path(folder) / "my.toml")
-    ...     write_view(design, Path(folder) / "my.html").name
-    'my.html'
-    """
+    ...     write_view(None, Path(folder) / "cam.html").name
+    'cam.html'
+"""
     path = page_path_of(path, "the page")
     write_text(path, view_page(None if design is None else as_design(design)))
     return path
 
 
 def view_page(design: DesignFile | None = None) -> str:
-    """The page as the text of an HTML file.
-
-    Parameters
-    ----------
-    design : DesignFile, optional
-        The design; the default mechanism of the FMU if not given.
-
-    Returns
-    -------
-    str
-        The text of the page.
-
-    Raises
-    ------
-    FmuError
-        The FMU refuses the design.
-    """
+    """The page as text; None: the default mechanism. FmuError if the FMU refuses the design."""
     content = page_content(design)
     model = base64.b64encode(web_path(f"{MODELS[MODEL]}.wasm").read_bytes()).decode()
     parts = {

@@ -42,9 +42,6 @@ def without_separator_line(lines: Lines) -> tuple[str | None, Lines]:
     return (found[1], lines.since(1)) if found else (None, lines)
 
 
-# ---- the line ----
-
-
 def find_header(lines: Lines, comments: Lines, kind: TableKind, separator: str | None) -> Header:
     """The first line, or comment above all rows, that names all needed columns. TableError without one."""
     for header in _candidates(lines, comments, separator):
@@ -134,9 +131,6 @@ def _has_numbers(text: str) -> bool:
     """Whether half of a line's cells or more are numbers."""
     rows = [split(text, separator) for separator in SEPARATORS]
     return any(2 * sum(map(is_number, cells)) >= len(cells) for cells in rows)
-
-
-# ---- the columns ----
 
 
 def columns_of(header: Header, kind: TableKind) -> dict[str, Column]:

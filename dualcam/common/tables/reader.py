@@ -145,9 +145,6 @@ def _warn_of_unit(name: str, values: Array) -> None:
         warnings.warn(UnitWarning(text), stacklevel=2)
 
 
-# ---- what both share ----
-
-
 def _lines(text: str, separator: str | None, example: str) -> tuple[Lines, Lines, str | None]:
     """Lines with content, comments, and the separator that is given or that a first line gives."""
     lines, comments = lines_of(text.replace("\u2212", "-"))  # the minus sign of word processors

@@ -122,9 +122,6 @@ def _joined(row: Line, width: int) -> list[str]:
     return cells
 
 
-# ---- numbers ----
-
-
 def has_decimal_comma(columns: Iterable[Sequence[str]], separator: str) -> bool:
     """Whether the comma is the decimal sign. Between commas "1,331" may be a quoted number with thousands."""
     with_comma = [cell.strip("\"' \t") for column in columns for cell in column if "," in cell]
