@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import tempfile
 import warnings
 from collections.abc import Mapping
@@ -10,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 from dualcam.common.archive import read_members, write_archive
+from dualcam.common.paths import path_of
 from dualcam.common.unit_guards import units_checked_before
 from dualcam.design_file import as_design
 from dualcam.errors import DualcamWarning, ExportError
@@ -27,9 +29,7 @@ from dualcam.fmi.variables import all_parameters, inputs_of, parameters_of, unus
 
 if TYPE_CHECKING:
     from dualcam.scenario.scenario import Scenario
-import re
 
-from dualcam.common.paths import path_of
 
 SUFFIX = ".fmu"
 
@@ -78,9 +78,9 @@ def export_fmu(
     """Make an FMU whose start values are those of a design. No compiler is needed.
 
     In the binaries, for all platforms of the project's FMU, only the block with GUID and start values
-    differs: with the same parameters both FMUs compute the same bits. Tables become `cam1.csv` and `cam2.csv` in the
-    FMU's resources, the inputs of a scenario that drives this model `extra/scenario_in.csv`. The same design
-    and name give the same GUID and bytes; the figures depend on the version of Matplotlib.
+    differs: with the same parameters both FMUs compute the same bits. Tables become `cam1.csv` and `cam2.csv`
+    in the FMU's resources, the inputs of a scenario that drives this model `extra/scenario_in.csv`. The same
+    design and name give the same GUID and bytes; the figures depend on the version of Matplotlib.
 
     Parameters
     ----------

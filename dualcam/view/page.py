@@ -67,7 +67,7 @@ def write_view(design: DesignSource | None, path: str | Path) -> Path:
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     write_view(None, Path(folder) / "cam.html").name
     'cam.html'
-"""
+    """
     path = page_path_of(path, "the page")
     write_text(path, view_page(None if design is None else as_design(design)))
     return path
