@@ -8,7 +8,6 @@ import weakref
 from collections.abc import Iterable, Mapping, Sequence
 from ctypes import c_double, c_uint
 from pathlib import Path
-from types import TracebackType
 from typing import Self
 
 import numpy as np
@@ -19,7 +18,7 @@ from dualcam.common.entries import repeated
 from dualcam.common.process_bound import ProcessBound
 from dualcam.common.unit_guards import warn_units
 from dualcam.errors import DualcamError, FmuError, UnknownVariableError
-from dualcam.fmi.binary import Use
+from dualcam.fmi.binary import Use, interface_of
 from dualcam.fmi.fmi2 import Fmi2Instance
 from dualcam.fmi.fmi3 import Fmi3Instance
 from dualcam.fmi.instance import START_FAILED, Instance, References
@@ -80,9 +79,7 @@ class Handle(ProcessBound):
         self._instance.require_open()
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *exception: object) -> None:
         self.close()
 
     def __repr__(self) -> str:
@@ -115,10 +112,7 @@ class Handle(ProcessBound):
     @property
     def interface(self) -> Interface:
         """What the FMU can do in this handle's use."""
-        description = self.description
-        found = description.co_simulation if self._use == "co-simulation" else description.model_exchange
-        assert found is not None  # else there would be no instance
-        return found
+        return interface_of(self.path, self.description, self._use)
 
     def _begin(self, parameters: Mapping[str, Scalar], time: float, tolerance: float | None) -> None:
         """Up to initialization mode."""
@@ -168,8 +162,7 @@ class Handle(ProcessBound):
         """
         if not isinstance(name, str):
             raise UnknownVariableError(f"variable {name!r}: allowed is the name of one variable, a text")
-        variable = self._variables.get(name)
-        if variable is None:
+        if (variable := self._variables.get(name)) is None:
             raise UnknownVariableError(unknown_variable(name, self.names, self.description.model_name))
         if kinds and variable.kind not in kinds:
             allowed = " or ".join(kind.capitalize() for kind in kinds)

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
+from dualcam.common.entries import repeated
 from dualcam.errors import FmuError
 
 Scalar = float | int | bool | str
@@ -26,7 +27,6 @@ TRUE = ("true", "1")
 
 # What `initial` is where the XML does not say: FMI 2.0, section 2.2.7, and FMI 3.0, section 2.4.7.5.
 PARAMETERS = ("parameter", "structuralParameter")
-CALCULATED = {"constant": "exact", "fixed": "calculated", "tunable": "calculated"}
 
 
 @dataclass(frozen=True)
@@ -214,9 +214,13 @@ def _parsed(root: ElementTree.Element, version: str) -> ModelDescription:
     variables = tuple(
         variable for element in (listed if listed is not None else ()) for variable in read(element, types)
     )
-    _check_names(variables)
+    for name in repeated(variable.name for variable in variables):
+        raise FmuError(f"variable {name} is there twice")
     uses = {use: _interface(root.find(use)) for use in ("CoSimulation", "ModelExchange")}
-    states, indicators = _counts(root, version)
+    states = root.findall(
+        f"ModelStructure/{'Derivatives/Unknown' if version == '2.0' else 'ContinuousStateDerivative'}"
+    )
+    indicators = len(root.findall("ModelStructure/EventIndicator"))  # of FMI 3.0
     return ModelDescription(
         fmi_version=version,
         model_name=root.attrib["modelName"],
@@ -226,27 +230,8 @@ def _parsed(root: ElementTree.Element, version: str) -> ModelDescription:
         co_simulation=uses["CoSimulation"],
         model_exchange=uses["ModelExchange"],
         default_experiment=_experiment(root.find("DefaultExperiment")),
-        state_count=states,
-        event_indicator_count=indicators,
-    )
-
-
-def _check_names(variables: tuple[Variable, ...]) -> None:
-    seen: set[str] = set()
-    for variable in variables:
-        if variable.name in seen:
-            raise FmuError(f"variable {variable.name} is there twice")
-        seen.add(variable.name)
-
-
-def _counts(root: ElementTree.Element, version: str) -> tuple[int, int]:
-    """Numbers of states and of event indicators."""
-    if version == "2.0":
-        states = root.findall("ModelStructure/Derivatives/Unknown")
-        return len(states), int(root.get("numberOfEventIndicators", 0))
-    return (
-        len(root.findall("ModelStructure/ContinuousStateDerivative")),
-        len(root.findall("ModelStructure/EventIndicator")),
+        state_count=len(states),
+        event_indicator_count=indicators or int(root.get("numberOfEventIndicators", 0)),
     )
 
 
@@ -334,6 +319,9 @@ def _variable(
     variability = given.get("variability") or (
         "fixed" if causality in (*PARAMETERS, "calculatedParameter") else usual_variability
     )
+    usual_initial = None if causality == "independent" else "calculated"
+    if causality in (*PARAMETERS, "input") or (usual_initial and variability == "constant"):
+        usual_initial = "exact"
 
     def value(attribute: str) -> Scalar | None:
         text = given.get(attribute, inherited.get(attribute) if attribute != "start" else None)
@@ -349,7 +337,7 @@ def _variable(
         type=type_name,
         causality=causality,
         variability=variability,
-        initial=given.get("initial") or _initial(causality, variability),
+        initial=given.get("initial") or usual_initial,
         start=value("start"),
         min=number("min"),
         max=number("max"),
@@ -358,14 +346,6 @@ def _variable(
         declared_type=declared,
         is_array=is_array,
     )
-
-
-def _initial(causality: str, variability: str) -> str | None:
-    if causality == "independent":
-        return None
-    if causality in (*PARAMETERS, "input"):
-        return "exact"
-    return CALCULATED.get(variability, "calculated")
 
 
 def _value(name: str, attribute: str, kind: Kind, text: str) -> Scalar | None:
