@@ -7,15 +7,7 @@ from pathlib import Path
 
 import click
 
-from dualcam.cli.options import (
-    anyway,
-    as_json,
-    design_file,
-    example,
-    fmi_version,
-    judge,
-    output_file,
-)
+from dualcam.cli.options import anyway, as_json, design_file, example, fmi_version, judge, output_file
 from dualcam.cli.output import print_json, require_folder_of, say, say_where_it_runs
 
 

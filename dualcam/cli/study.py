@@ -25,8 +25,7 @@ PLAN = """fmu = "forward"
 
 @click.command(
     epilog=example(
-        "dualcam study plan.toml",
-        "dualcam study my.toml   (a design file with a section [study])",
+        "dualcam study plan.toml", "dualcam study my.toml   (a design file with a section [study])"
     )
     + f"\n\n\b\nA small plan.toml (docs/use-studies.md explains all keys):\n  {PLAN}"
 )

@@ -28,7 +28,7 @@ _ROOMS = {  # new place -> names of the modules that kept their names
 MOVED = {  # old path -> new path, both below dualcam
     old: f"{room}.{old.rpartition('.')[2]}" for room, names in _ROOMS.items() for old in names.split()
 } | {
-    "durability_plots": "plots.durability",
+    "durability_plots": "plots.design",
     "platforms": "fmi.binary",
     "report_durability": "report.durability",
     "report_inputs": "report.inputs",

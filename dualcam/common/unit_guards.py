@@ -85,10 +85,7 @@ def table_warnings(psi: ArrayLike, z: ArrayLike, radius: float | None = None) ->
     """Warnings for psi [rad] and z [m] of a groove table, shape (n,), on a cam of `radius` [m]."""
     psi, z = np.asarray(psi, dtype=float), np.asarray(z, dtype=float)
     farthest, highest = psi[np.argmax(np.abs(psi))], z[np.argmax(np.abs(z))]
-    found = [
-        unit_warning("table.psi", float(farthest), "psi"),
-        unit_warning("table.z", float(highest), "z"),
-    ]
+    found = [unit_warning("table.psi", float(farthest), "psi"), unit_warning("table.z", float(highest), "z")]
     slope = float(np.max(np.diff(z) / np.diff(psi)))
     if radius is not None and radius > 0.0 and math.atan(slope / radius) > STEEPEST and not any(found):
         lead = math.degrees(math.atan(slope / radius))

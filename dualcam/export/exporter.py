@@ -16,10 +16,15 @@ from dualcam.common.unit_guards import units_checked_before
 from dualcam.design_file import as_design
 from dualcam.errors import DualcamWarning, ExportError
 from dualcam.export.changed import PAGE, Change, changed_members, exported_related_files
-from dualcam.export.curves import START_INPUTS, SlowMotionCurves, slow_motion_curves
 from dualcam.export.description import Description, typed
 from dualcam.export.page import exported_page, figures
-from dualcam.export.reference import Reference, reference_result
+from dualcam.export.reference import (
+    START_INPUTS,
+    Reference,
+    SlowMotionCurves,
+    reference_result,
+    slow_motion_curves,
+)
 from dualcam.export.scenario import FILE as SCENARIO_FILE
 from dualcam.export.scenario import scenario_for, scenario_table, scenario_text
 from dualcam.fmi.fmu import Fmu

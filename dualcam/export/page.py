@@ -12,9 +12,8 @@ import numpy as np
 
 from dualcam.common.html_page import figure_element
 from dualcam.errors import ExportError
-from dualcam.export.curves import Array, SlowMotionCurves
 from dualcam.export.description import AGAIN, Description, VariableTag, number_text
-from dualcam.export.reference import Reference
+from dualcam.export.reference import Array, Reference, SlowMotionCurves
 from dualcam.fmi.model_description import Scalar
 from dualcam.plots.design import ANGLE, BLUE, GREY, ORANGE, axis_from_zero, figure, legend_above
 

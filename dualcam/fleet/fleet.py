@@ -271,9 +271,7 @@ class Fleet(ProcessBound):
         )
 
     def reset(
-        self,
-        instances: ArrayLike | None = None,
-        parameters: Mapping[str, FleetValue] | None = None,
+        self, instances: ArrayLike | None = None, parameters: Mapping[str, FleetValue] | None = None
     ) -> None:
         """Begin a new run of some instances, at the start time.
 

@@ -18,7 +18,7 @@ from dualcam.design_file.durability import (
     wear_of,
 )
 from dualcam.errors import DesignError
-from dualcam.plots.durability import plot_contact, plot_goodman, plot_wear
+from dualcam.plots.design import plot_contact, plot_goodman, plot_wear
 from dualcam.report.inputs import Row
 from dualcam.report.summary import largest_loads, material_words, pressure_words
 

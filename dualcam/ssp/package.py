@@ -19,8 +19,7 @@ from typing import TYPE_CHECKING
 from dualcam.common.archive import write_archive
 from dualcam.common.paths import path_of, whole_file
 from dualcam.errors import DesignError
-from dualcam.ssp.system_check import check_system
-from dualcam.ssp.system_structure import Component, SystemStructure, Value
+from dualcam.ssp.system_structure import Component, SystemStructure, Value, check_system
 
 if TYPE_CHECKING:
     from dualcam.design_file import DesignFile, DesignSource

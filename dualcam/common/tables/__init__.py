@@ -8,19 +8,20 @@ read_columns            columns by the names in the header, as plans of studies 
 fmu_text, is_fmu_text   the one format that the FMU reads
 """
 
-from dualcam.common.tables.kinds import (
+from dualcam.common.tables.reader import Converter, HumanTable, read_columns, read_table
+from dualcam.common.tables.units import (
     ANGLE_NAMES,
     FRICTION_HEADERS,
     GROOVE_HEADER,
     TORQUE_NAMES,
+    UNITS,
     ColumnKind,
     TableError,
     TableKind,
     fmu_text,
+    in_unit,
     is_fmu_text,
 )
-from dualcam.common.tables.reader import Converter, HumanTable, read_columns, read_table
-from dualcam.common.tables.units import UNITS, in_unit
 
 __all__ = [
     "ANGLE_NAMES",

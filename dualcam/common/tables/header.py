@@ -8,9 +8,17 @@ from dataclasses import dataclass
 from itertools import islice
 from typing import NamedTuple
 
-from dualcam.common.tables.kinds import ColumnKind, TableError, TableKind
 from dualcam.common.tables.rows import LONGEST, SEPARATORS, Line, Lines, is_number, split
-from dualcam.common.tables.units import KINDS, UNITS, Head, head_of, known_unit
+from dualcam.common.tables.units import (
+    KINDS,
+    UNITS,
+    ColumnKind,
+    Head,
+    TableError,
+    TableKind,
+    head_of,
+    known_unit,
+)
 
 FIRST_LINES = 200  # among which the header is
 SEPARATOR_LINE = re.compile(r"\W*sep=(.)?\W*", re.IGNORECASE)  # a first line that spreadsheets write

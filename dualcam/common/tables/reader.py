@@ -19,7 +19,6 @@ from dualcam.common.tables.header import (
     without_separator_line,
     words_above_numbers,
 )
-from dualcam.common.tables.kinds import TableError, TableKind, is_fmu_text
 from dualcam.common.tables.rows import (
     Lines,
     cells_of,
@@ -32,7 +31,7 @@ from dualcam.common.tables.rows import (
     refuse_faults,
     separator_of,
 )
-from dualcam.common.tables.units import UNITS, in_unit
+from dualcam.common.tables.units import UNITS, TableError, TableKind, in_unit, is_fmu_text
 from dualcam.common.unit_guards import unit_warning
 from dualcam.errors import UnitWarning
 
@@ -155,11 +154,7 @@ def _lines(text: str, separator: str | None, example: str) -> tuple[Lines, Lines
 
 
 def _cells(
-    rows: Lines,
-    header: Header,
-    places: Collection[int],
-    separator: str | None,
-    decimal: str | None,
+    rows: Lines, header: Header, places: Collection[int], separator: str | None, decimal: str | None
 ) -> tuple[list[str], str]:
     """The cells, row after row, and the separator. `places`: the columns of numbers."""
     width = len(header.heads)
