@@ -199,7 +199,7 @@ class Fleet(ProcessBound):
         return self._roll(u, (self.count, len(self.inputs)), 1, h, out, (self.count, len(self.outputs)))
 
     def rollout(self, u: ArrayLike, h: float, out: Array | None = None) -> Array:
-        """Many steps of all instances, with a history of inputs for each.
+        """Many steps of all instances, with a history of inputs for each. Errors are those of `step`.
 
         Parameters
         ----------
@@ -213,14 +213,7 @@ class Fleet(ProcessBound):
         Returns
         -------
         ndarray, shape (count, steps, m)
-            Outputs after each step.
-
-        Raises
-        ------
-        FleetError
-            An instance failed. Its outputs are NaN from that step on; the others made all steps.
-        FmuError
-            A wrong shape or type, or a value that is not finite: no instance made a step.
+            Outputs after each step; NaN from the step on in which an instance failed.
 
         Examples
         --------
@@ -231,7 +224,7 @@ class Fleet(ProcessBound):
         >>> with Fleet("forward", 2, parameters={"inertia.shaft": 0.01}) as fleet:
         ...     fleet.rollout(torque, 1e-3)[:, -1].round(3).tolist()  # rad, rad/s
         [[1.206, 9.05], [0.7, -5.543]]
-        """
+"""
         steps = steps_of(u)
         wanted = (self.count, steps, len(self.inputs))
         return self._roll(u, wanted, steps, h, out, (self.count, steps, len(self.outputs)))
@@ -275,22 +268,16 @@ class Fleet(ProcessBound):
     ) -> None:
         """Begin a new run of some instances, at the start time.
 
+        FleetError where the FMU refuses a start value of an instance: no instance was reset. Where the FMU cannot
+        save its state, that instance fails, and the others have begun a new run.
+
         Parameters
         ----------
         instances : array_like of int or of bool with shape (count,), optional
             Numbers of the instances, or which instances. Default: all.
         parameters : mapping of str to value, optional
-            Start values that replace earlier ones of these instances: one value, or an array of shape
-            (count,).
-
-        Raises
-        ------
-        FleetError
-            The FMU refuses a start value of an instance: no instance was reset. Where the FMU cannot save its
-            state, that instance fails, and the others have begun a new run.
-        FmuError
-            A wrong argument: no instance was reset.
-        """
+            Start values that replace earlier ones of these instances: one value, or an array of shape (count,).
+"""
         chosen = chosen_instances(instances, self.count)
         merged = self._merged(parameters or {}, chosen)
         layout = self._layout(merged)
@@ -322,6 +309,9 @@ class Fleet(ProcessBound):
     def set(self, name: str, values: FleetValue, instances: ArrayLike | None = None) -> None:
         """Set one variable in some instances: inputs and tunable parameters.
 
+        FleetError where the FMU refuses the value of an instance: no instance has a new value. Where the FMU cannot
+        save its state, that instance fails, and the others have their values.
+
         Parameters
         ----------
         name : str
@@ -330,13 +320,7 @@ class Fleet(ProcessBound):
             In the variable's unit.
         instances : array_like of int or of bool with shape (count,), optional
             Numbers of the instances, or which instances. Default: all.
-
-        Raises
-        ------
-        FleetError
-            The FMU refuses the value of an instance: no instance has a new value. Where the FMU cannot save
-            its state, that instance fails, and the others have their values.
-        """
+"""
         layout = Layout([self._variable(name)], {name: values}, self.count)
         self._change("fleet_set", layout, chosen_instances(instances, self.count))
 
@@ -353,7 +337,7 @@ class Fleet(ProcessBound):
             raise
 
     def save(self, instances: ArrayLike | None = None) -> FleetState:
-        """The whole state of some instances now.
+        """The whole state of some instances now. FmuError where the FMU cannot save its state.
 
         Parameters
         ----------
@@ -364,12 +348,7 @@ class Fleet(ProcessBound):
         -------
         FleetState
             For `restore` of this fleet.
-
-        Raises
-        ------
-        FmuError
-            The FMU cannot save its state.
-        """
+"""
         if not self._can_save_state:
             raise FmuError(f"{self.path} cannot save its state: canGetAndSetFMUstate is not set")
         chosen = chosen_instances(instances, self.count)
@@ -379,7 +358,7 @@ class Fleet(ProcessBound):
         return state
 
     def restore(self, state: FleetState, instances: ArrayLike | None = None) -> None:
-        """Go back to saved states, with their times.
+        """Go back to saved states, with their times. FmuError for a state of another fleet.
 
         Parameters
         ----------
@@ -387,12 +366,7 @@ class Fleet(ProcessBound):
             From `save` of this fleet.
         instances : array_like of int or of bool with shape (count,), optional
             Which of the saved instances. Default: all of them.
-
-        Raises
-        ------
-        FmuError
-            `state` is of another fleet, or does not have the state of an instance.
-        """
+"""
         if not isinstance(state, FleetState) or state._core is not self._core:
             raise FmuError(f"restore({state!r}): allowed is a FleetState from save of this fleet")
         chosen = (

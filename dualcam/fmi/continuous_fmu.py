@@ -33,7 +33,8 @@ class ContinuousFmu(Handle):
     Raises
     ------
     FmuError
-        The file is missing or no FMU, has no model exchange, or has no library for this platform.
+        The file is missing or no FMU, has no model exchange, or has no library for this platform. All methods
+        raise it as those of Fmu.
 
     Examples
     --------
@@ -55,7 +56,7 @@ class ContinuousFmu(Handle):
         self._indicators = (c_double * indicators)()
 
     def start(self, parameters: Mapping[str, Scalar] | None = None, time: float = 0.0) -> None:
-        """Begin in continuous-time mode.
+        """Begin in continuous-time mode. FmuError without inertia, too: then speed is no state.
 
         Parameters
         ----------
@@ -63,14 +64,7 @@ class ContinuousFmu(Handle):
             Start values of parameters and inputs, in their units.
         time : float
             Start time [s].
-
-        Raises
-        ------
-        UnknownVariableError
-            A name is unknown.
-        FmuError
-            The FMU refuses a value, or has no inertia: then speed is no state.
-        """
+"""
         self._begin({} if parameters is None else parameters, time, None)
         self._instance.exit_initialization()
         self._settle()

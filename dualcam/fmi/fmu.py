@@ -46,7 +46,9 @@ class Fmu(Handle):
     Raises
     ------
     FmuError
-        The file is missing or no FMU, has no co-simulation, or has no library for this platform.
+        The file is missing or no FMU, has no co-simulation, or has no library for this platform. All methods
+        raise it for a wrong argument, where the FMU refuses, before a run has begun and after `close`; the
+        UnknownVariableError among them names near variables.
 
     See Also
     --------
@@ -82,14 +84,7 @@ class Fmu(Handle):
             Start time [s].
         tolerance : float, optional
             Relative tolerance of the FMU's integrator. None: the FMU's default, here 1e-9.
-
-        Raises
-        ------
-        UnknownVariableError
-            A name is unknown.
-        FmuError
-            An argument is of a wrong kind, or the FMU refuses a value or the combination of values.
-        """
+"""
         self._begin({} if parameters is None else parameters, time, tolerance)
         self._instance.exit_initialization()
         self._instance.allow_calls()
@@ -101,12 +96,7 @@ class Fmu(Handle):
         ----------
         size : float
             Length of the step [s], > 0.
-
-        Raises
-        ------
-        FmuError
-            `size` is no finite number > 0, no run has begun, or the FMU refuses the step.
-        """
+"""
         instance = self._instance
         if type(size) is not float or not 0.0 < size < math.inf:
             size = positive_number(size, "step size", STEP_SIZES)
@@ -161,14 +151,13 @@ class RepeatedStart:
         return f"<RepeatedStart of {self.fmu!r} with {', '.join(self.start_values.names)}>"
 
     def initialize(self, values: ArrayLike) -> None:
-        """Return to initialization mode with these start values. Variables that need no step can be read
-        there.
+        """Back to initialization mode with these start values, where variables that need no step can be read.
 
         Parameters
         ----------
         values : array_like, shape (n,)
             Start values in the order of `names`.
-        """
+"""
         self.fmu.restore_state(self._state)
         self.start_values.values = values
         self.start_values.write()

@@ -140,7 +140,7 @@ class Handle(ProcessBound):
         return list(self._variables)
 
     def variable(self, name: str, *kinds: Kind) -> Variable:
-        """The description of a variable.
+        """The description of a variable. FmuError where the variable is of another kind.
 
         Parameters
         ----------
@@ -152,14 +152,7 @@ class Handle(ProcessBound):
         Returns
         -------
         Variable
-
-        Raises
-        ------
-        UnknownVariableError
-            There is none of that name; the message has near matches.
-        FmuError
-            The variable is of another kind.
-        """
+"""
         if not isinstance(name, str):
             raise UnknownVariableError(f"variable {name!r}: allowed is the name of one variable, a text")
         if (variable := self._variables.get(name)) is None:
@@ -170,7 +163,7 @@ class Handle(ProcessBound):
         return variable
 
     def reals(self, *names: str) -> Reals:
-        """A group of real variables that is read or written often, with its own buffer.
+        """A group of real variables that is read or written often. FmuError where a name stands twice.
 
         Parameters
         ----------
@@ -180,14 +173,8 @@ class Handle(ProcessBound):
         Returns
         -------
         Reals
-
-        Raises
-        ------
-        UnknownVariableError
-            The FMU has no variable of a name.
-        FmuError
-            A variable is not real, or a name stands twice.
-        """
+            With its own buffer.
+"""
         return Reals(self._instance, names, self._references(names_of(names, "names")))
 
     def get(self, name: str) -> Scalar:
@@ -201,15 +188,8 @@ class Handle(ProcessBound):
         Returns
         -------
         float, int, bool or str
-            The value, in the variable's unit.
-
-        Raises
-        ------
-        UnknownVariableError
-            The FMU has no variable of that name.
-        FmuError
-            No run has begun, or the FMU is closed.
-        """
+            In the variable's unit.
+"""
         variable = self.variable(name)
         self._instance.require_calls_allowed()
         return self._instance.get(variable)
@@ -238,16 +218,8 @@ class Handle(ProcessBound):
         name : str
             Name of the variable.
         value : float, int, bool or str
-            The value, in the variable's unit.
-
-        Raises
-        ------
-        UnknownVariableError
-            The FMU has no variable of that name.
-        FmuError
-            `value` does not suit the variable's type, the FMU refuses the value, or no run has begun: start
-            values go into `start`.
-        """
+            In the variable's unit. FmuError where the value does not suit the variable's type.
+"""
         self.variable(name)
         self._instance.require_calls_allowed()
         self._set(name, value)
@@ -257,7 +229,7 @@ class Handle(ProcessBound):
         self._instance.set(variable, suitable_value(variable, value))
 
     def jacobian(self, unknowns: Sequence[str], knowns: Sequence[str]) -> Array:
-        """Partial derivatives at the present point.
+        """Partial derivatives at the present point. FmuError where the FMU has no such derivative.
 
         Parameters
         ----------
@@ -271,11 +243,6 @@ class Handle(ProcessBound):
         ndarray, shape (n, m)
             In the unit of the unknown per unit of the known.
 
-        Raises
-        ------
-        FmuError
-            The FMU has no such derivative, or no run has begun.
-
         Examples
         --------
         >>> from dualcam import Fmu
@@ -283,7 +250,7 @@ class Handle(ProcessBound):
         ...     fmu.start({"initial.theta": 0.5, "tau": 9.0, "inertia.shaft": 0.01})
         ...     fmu.jacobian(["alpha"], ["tau", "F_ext"]).round(3).tolist()  # rad/s2 per N.m, per N
         [[100.0, -1.326]]
-        """
+"""
         unknowns, knowns = names_of(unknowns, "unknowns"), names_of(knowns, "knowns")
         columns = [self.directional_derivative(unknowns, [known], [1.0]) for known in knowns]
         return np.reshape(columns, (len(knowns), len(unknowns))).T
@@ -303,12 +270,7 @@ class Handle(ProcessBound):
         Returns
         -------
         ndarray, shape (n,)
-
-        Raises
-        ------
-        FmuError
-            The FMU has no such derivative, `seed` has another shape, or no run has begun.
-        """
+"""
         unknowns, knowns = names_of(unknowns, "unknowns"), names_of(knowns, "knowns")
         rows, columns = self._references(unknowns), self._references(knowns)
         self._instance.require_calls_allowed()
@@ -328,36 +290,26 @@ class Handle(ProcessBound):
         return (c_uint * len(names))(*(variable.value_reference for variable in variables))
 
     def save_state(self) -> FmuState:
-        """The whole state of the instance now.
+        """The whole state of the instance now. FmuError where the FMU cannot save its state.
 
         Returns
         -------
         FmuState
-            For `restore_state` of the same instance.
-
-        Raises
-        ------
-        FmuError
-            The FMU cannot save its state, or no run has begun.
-        """
+            For `restore_state` of this instance.
+"""
         self._instance.require_calls_allowed()
         if not self.interface.can_save_state:
             raise FmuError(f"{self.path} cannot save its state: canGetAndSetFMUstate is not set")
         return FmuState(self._instance, self._instance.save_state(), self._time)
 
     def restore_state(self, state: FmuState) -> None:
-        """Go back to a saved state of this instance, with its `time`.
+        """Go back to a saved state, with its `time`. FmuError for a state of another instance.
 
         Parameters
         ----------
         state : FmuState
             From `save_state` of this instance.
-
-        Raises
-        ------
-        FmuError
-            `state` is of another instance, or no state.
-        """
+"""
         if not isinstance(state, FmuState):
             raise FmuError(f"restore_state({state!r}): allowed is a state from save_state")
         if state._instance is not self._instance:
