@@ -22,6 +22,12 @@ def say(text: str) -> None:
     click.echo(text)
 
 
+def say_written(*paths: Path | None) -> None:
+    """A line for each file of a result."""
+    for path in filter(None, paths):
+        say(f"{path} written")
+
+
 def count(number: int, what: str) -> str:
     """Such as "1 error" or "2 errors"."""
     return f"{number} {what}{'s' if number != 1 else ''}"
@@ -72,14 +78,14 @@ def print_table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
     Console(highlight=False, markup=False).print(table)
 
 
-def require_folder_of(path: Path) -> None:
-    """DualcamError unless the folder of the file `path` exists and `path` is no folder."""
-    if path.is_dir():
-        raise DualcamError(f"{path} is a folder: give the name of a file, such as {path / 'my'}")
-    if not path.resolve().parent.is_dir():
-        raise DualcamError(
-            f"{path}: the folder {path.parent} does not exist: make the folder, or give another"
-        )
+def require_folder_of(*paths: Path | None) -> None:
+    """DualcamError unless the folder of each file exists, and the path is no folder."""
+    for path in filter(None, paths):
+        if path.is_dir():
+            raise DualcamError(f"{path} is a folder: give the name of a file, such as {path / 'my'}")
+        if not path.resolve().parent.is_dir():
+            text = f"{path}: the folder {path.parent} does not exist: make the folder, or give another"
+            raise DualcamError(text)
 
 
 def keep_files_of(
@@ -89,10 +95,10 @@ def keep_files_of(
     keys = [f"cam{cam}.{table}" for cam in (1, 2) for table in ("table", "friction_table")]
     tables = (design.value(key) for key in keys if key not in made)
     read = {design.path.resolve(), *(Path(table).resolve() for table in tables if table)}
-    for path in outputs:
-        if path is not None and path.resolve() in read:
+    for path in filter(None, outputs):
+        if path.resolve() in read:
             raise DualcamError(f"{path} belongs to the design {design.path}: give the result another name")
-        if path is not None and data is not None and path.resolve() == data.resolve():
+        if data is not None and path.resolve() == data.resolve():
             raise DualcamError(f"{path} is read by this command: give the result another name")
 
 

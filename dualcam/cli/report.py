@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from dualcam.cli.options import anyway, as_json, design_file, example, open_design, output_file
-from dualcam.cli.output import print_json, require_folder_of, say
+from dualcam.cli.output import print_json, require_folder_of, say_written
 
 
 @click.command(epilog=example("dualcam report my.toml -o my_report.html"))
@@ -27,4 +27,4 @@ def command(design_file: Path, output: Path, anyway: bool, as_json: bool) -> Non
     if as_json:
         print_json({"report": written})
         return
-    say(f"{written} written")
+    say_written(written)

@@ -8,7 +8,14 @@ from typing import TYPE_CHECKING
 import click
 
 from dualcam.cli.options import FILE, anyway, as_json, design_file, example, open_design, output_file
-from dualcam.cli.output import keep_files_of, keep_other_tables, print_json, require_folder_of, say
+from dualcam.cli.output import (
+    keep_files_of,
+    keep_other_tables,
+    print_json,
+    require_folder_of,
+    say,
+    say_written,
+)
 
 if TYPE_CHECKING:
     from dualcam.design_file import DesignFile
@@ -47,9 +54,7 @@ def command(
     from dualcam.simulation.run import VARIABLES, checked_format
 
     checked_format(output)
-    for path in (output, plot):
-        if path is not None:
-            require_folder_of(path)
+    require_folder_of(output, plot)
     design = open_design(design_file, anyway, as_json)
     keep_files_of(design, output, plot)
     names = [name.strip() for name in variables.split(",") if name.strip()]
@@ -65,8 +70,7 @@ def command(
         print_json({"output": output, "plot": plot, "samples": len(trajectory.values), "last": last})
         return
     say(f"{output} written: {len(trajectory.values):,} samples of {len(trajectory.names)} columns")
-    if plot is not None:
-        say(f"{plot} written")
+    say_written(plot)
     at_end = [f"{name} = {last[name]:.5g} {unit}" for name, unit in AT_END.items() if name in last]
     if "energy.residual" in last:
         at_end.append(f"residual of the energy balance {residual_words(trajectory)}")

@@ -224,7 +224,7 @@ class Fleet(ProcessBound):
         >>> with Fleet("forward", 2, parameters={"inertia.shaft": 0.01}) as fleet:
         ...     fleet.rollout(torque, 1e-3)[:, -1].round(3).tolist()  # rad, rad/s
         [[1.206, 9.05], [0.7, -5.543]]
-"""
+        """
         steps = steps_of(u)
         wanted = (self.count, steps, len(self.inputs))
         return self._roll(u, wanted, steps, h, out, (self.count, steps, len(self.outputs)))
@@ -268,16 +268,16 @@ class Fleet(ProcessBound):
     ) -> None:
         """Begin a new run of some instances, at the start time.
 
-        FleetError where the FMU refuses a start value of an instance: no instance was reset. Where the FMU cannot
-        save its state, that instance fails, and the others have begun a new run.
+        FleetError where the FMU refuses a start value of an instance: no instance was reset. Where the FMU
+        cannot save its state, that instance fails, and the others have begun a new run.
 
         Parameters
         ----------
         instances : array_like of int or of bool with shape (count,), optional
             Numbers of the instances, or which instances. Default: all.
         parameters : mapping of str to value, optional
-            Start values that replace earlier ones of these instances: one value, or an array of shape (count,).
-"""
+            Start values that replace earlier ones of these instances: one value, or of shape (count,).
+        """
         chosen = chosen_instances(instances, self.count)
         merged = self._merged(parameters or {}, chosen)
         layout = self._layout(merged)
@@ -309,8 +309,8 @@ class Fleet(ProcessBound):
     def set(self, name: str, values: FleetValue, instances: ArrayLike | None = None) -> None:
         """Set one variable in some instances: inputs and tunable parameters.
 
-        FleetError where the FMU refuses the value of an instance: no instance has a new value. Where the FMU cannot
-        save its state, that instance fails, and the others have their values.
+        FleetError where the FMU refuses the value of an instance: no instance has a new value. Where the FMU
+        cannot save its state, that instance fails, and the others have their values.
 
         Parameters
         ----------
@@ -320,7 +320,7 @@ class Fleet(ProcessBound):
             In the variable's unit.
         instances : array_like of int or of bool with shape (count,), optional
             Numbers of the instances, or which instances. Default: all.
-"""
+        """
         layout = Layout([self._variable(name)], {name: values}, self.count)
         self._change("fleet_set", layout, chosen_instances(instances, self.count))
 
@@ -348,7 +348,7 @@ class Fleet(ProcessBound):
         -------
         FleetState
             For `restore` of this fleet.
-"""
+        """
         if not self._can_save_state:
             raise FmuError(f"{self.path} cannot save its state: canGetAndSetFMUstate is not set")
         chosen = chosen_instances(instances, self.count)
@@ -366,7 +366,7 @@ class Fleet(ProcessBound):
             From `save` of this fleet.
         instances : array_like of int or of bool with shape (count,), optional
             Which of the saved instances. Default: all of them.
-"""
+        """
         if not isinstance(state, FleetState) or state._core is not self._core:
             raise FmuError(f"restore({state!r}): allowed is a FleetState from save of this fleet")
         chosen = (

@@ -64,7 +64,7 @@ class ContinuousFmu(Handle):
             Start values of parameters and inputs, in their units.
         time : float
             Start time [s].
-"""
+        """
         self._begin({} if parameters is None else parameters, time, None)
         self._instance.exit_initialization()
         self._settle()

@@ -84,7 +84,7 @@ class Fmu(Handle):
             Start time [s].
         tolerance : float, optional
             Relative tolerance of the FMU's integrator. None: the FMU's default, here 1e-9.
-"""
+        """
         self._begin({} if parameters is None else parameters, time, tolerance)
         self._instance.exit_initialization()
         self._instance.allow_calls()
@@ -96,7 +96,7 @@ class Fmu(Handle):
         ----------
         size : float
             Length of the step [s], > 0.
-"""
+        """
         instance = self._instance
         if type(size) is not float or not 0.0 < size < math.inf:
             size = positive_number(size, "step size", STEP_SIZES)
@@ -157,7 +157,7 @@ class RepeatedStart:
         ----------
         values : array_like, shape (n,)
             Start values in the order of `names`.
-"""
+        """
         self.fmu.restore_state(self._state)
         self.start_values.values = values
         self.start_values.write()

@@ -152,7 +152,7 @@ class Handle(ProcessBound):
         Returns
         -------
         Variable
-"""
+        """
         if not isinstance(name, str):
             raise UnknownVariableError(f"variable {name!r}: allowed is the name of one variable, a text")
         if (variable := self._variables.get(name)) is None:
@@ -174,7 +174,7 @@ class Handle(ProcessBound):
         -------
         Reals
             With its own buffer.
-"""
+        """
         return Reals(self._instance, names, self._references(names_of(names, "names")))
 
     def get(self, name: str) -> Scalar:
@@ -189,7 +189,7 @@ class Handle(ProcessBound):
         -------
         float, int, bool or str
             In the variable's unit.
-"""
+        """
         variable = self.variable(name)
         self._instance.require_calls_allowed()
         return self._instance.get(variable)
@@ -219,7 +219,7 @@ class Handle(ProcessBound):
             Name of the variable.
         value : float, int, bool or str
             In the variable's unit. FmuError where the value does not suit the variable's type.
-"""
+        """
         self.variable(name)
         self._instance.require_calls_allowed()
         self._set(name, value)
@@ -250,7 +250,7 @@ class Handle(ProcessBound):
         ...     fmu.start({"initial.theta": 0.5, "tau": 9.0, "inertia.shaft": 0.01})
         ...     fmu.jacobian(["alpha"], ["tau", "F_ext"]).round(3).tolist()  # rad/s2 per N.m, per N
         [[100.0, -1.326]]
-"""
+        """
         unknowns, knowns = names_of(unknowns, "unknowns"), names_of(knowns, "knowns")
         columns = [self.directional_derivative(unknowns, [known], [1.0]) for known in knowns]
         return np.reshape(columns, (len(knowns), len(unknowns))).T
@@ -270,7 +270,7 @@ class Handle(ProcessBound):
         Returns
         -------
         ndarray, shape (n,)
-"""
+        """
         unknowns, knowns = names_of(unknowns, "unknowns"), names_of(knowns, "knowns")
         rows, columns = self._references(unknowns), self._references(knowns)
         self._instance.require_calls_allowed()
@@ -296,7 +296,7 @@ class Handle(ProcessBound):
         -------
         FmuState
             For `restore_state` of this instance.
-"""
+        """
         self._instance.require_calls_allowed()
         if not self.interface.can_save_state:
             raise FmuError(f"{self.path} cannot save its state: canGetAndSetFMUstate is not set")
@@ -309,7 +309,7 @@ class Handle(ProcessBound):
         ----------
         state : FmuState
             From `save_state` of this instance.
-"""
+        """
         if not isinstance(state, FmuState):
             raise FmuError(f"restore_state({state!r}): allowed is a state from save_state")
         if state._instance is not self._instance:

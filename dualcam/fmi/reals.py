@@ -75,7 +75,7 @@ class Reals(ProcessBound):
         -------
         list of float
             The n values as plain floats, which are the fastest for scalar code.
-"""
+        """
         instance = self._instance
         status = instance.get_real(*self._arguments)
         if status > OK_OR_WARNING:
@@ -101,7 +101,7 @@ class Reals(ProcessBound):
         -------
         list of float
             The n derivatives, in the variable's unit per s or per s2.
-"""
+        """
         self._instance.require_calls_allowed()
         derivatives = (c_double * len(self.names))()
         self._instance.output_derivatives(self._references, _order(order), derivatives)
@@ -118,7 +118,7 @@ class Reals(ProcessBound):
             Order of the derivatives.
         values : sequence of float, shape (n,)
             The derivatives, in the variable's unit per s, s2 or s3.
-"""
+        """
         self._instance.require_calls_allowed()
         given = real_array(values, "values", FmuError, self._values.shape)
         derivatives = (c_double * len(self.names))(*given)
