@@ -19,20 +19,9 @@ FATAL, NOT_FINITE, ALL_FAILED = -1, -2, -3  # FLEET_FATAL, FLEET_NOT_FINITE, FLE
 
 # Members of FleetFunctions, in order
 FUNCTIONS = (
-    "fmi2Instantiate",
-    "fmi2FreeInstance",
-    "fmi2SetupExperiment",
-    "fmi2EnterInitializationMode",
-    "fmi2ExitInitializationMode",
-    "fmi2Reset",
-    "fmi2SetReal",
-    "fmi2SetInteger",
-    "fmi2SetBoolean",
-    "fmi2SetString",
-    "fmi2GetReal",
-    "fmi2GetInteger",
-    "fmi2GetBoolean",
-    "fmi2DoStep",
+    *("fmi2Instantiate", "fmi2FreeInstance", "fmi2SetupExperiment", "fmi2EnterInitializationMode"),
+    *("fmi2ExitInitializationMode", "fmi2Reset", "fmi2SetReal", "fmi2SetInteger", "fmi2SetBoolean"),
+    *("fmi2SetString", "fmi2GetReal", "fmi2GetInteger", "fmi2GetBoolean", "fmi2DoStep"),
 )
 STATE_FUNCTIONS = ("fmi2GetFMUstate", "fmi2SetFMUstate", "fmi2FreeFMUstate")
 
@@ -47,11 +36,8 @@ class Experiment(ctypes.Structure):
     """FleetExperiment."""
 
     _fields_ = (
-        ("model", c_char_p),
-        ("guid", c_char_p),
-        ("resources", c_char_p),
-        ("start_time", c_double),
-        ("tolerance", c_double),
+        *((name, c_char_p) for name in ("model", "guid", "resources")),
+        *((name, c_double) for name in ("start_time", "tolerance")),
     )
 
 
@@ -69,10 +55,8 @@ class Ports(ctypes.Structure):
     """FleetPorts."""
 
     _fields_ = (
-        ("input_count", c_size_t),
-        ("output_count", c_size_t),
-        ("input_references", c_void_p),
-        ("output_references", c_void_p),
+        *((name, c_size_t) for name in ("input_count", "output_count")),
+        *((name, c_void_p) for name in ("input_references", "output_references")),
     )
 
 
@@ -86,15 +70,10 @@ class RunsCall(ctypes.Structure):
     """RunsCall."""
 
     _fields_ = (
-        ("kind", c_int),
-        ("has_tolerance", c_int),
-        ("function", c_void_p),
-        ("references", c_void_p),
-        ("orders", c_void_p),
+        *((name, c_int) for name in ("kind", "has_tolerance")),
+        *((name, c_void_p) for name in ("function", "references", "orders")),
         ("count", c_size_t),
-        ("numbers", c_void_p),
-        ("target", c_void_p),
-        ("values", c_void_p),
+        *((name, c_void_p) for name in ("numbers", "target", "values")),
         ("line_size", c_size_t),
     )
 

@@ -36,10 +36,7 @@ class EventInfo(ctypes.Structure):
     """fmi2EventInfo."""
 
     _fields_ = (
-        ("again", c_int),
-        ("ends_simulation", c_int),
-        ("nominals_changed", c_int),
-        ("states_changed", c_int),
+        *((name, c_int) for name in ("again", "ends_simulation", "nominals_changed", "states_changed")),
         ("next_time_defined", c_int),
         ("next_time", c_double),
     )

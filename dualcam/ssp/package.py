@@ -152,26 +152,15 @@ def component_of(system: SystemStructure, end: str) -> Component:
     return next(component for component in system.components if component.name == split(end)[0])
 
 
-def causality_of(system: SystemStructure, end: str) -> str:
-    """Causality of the variable `end`, "component.variable"."""
-    return component_of(system, end).variables[split(end)[1]][0]
-
-
-def add_ports(content: ET.Element, system: SystemStructure, units: dict[str, dict[str, str]]) -> None:
-    """The connectors of the system itself; their units go to `units`."""
-    if not system.ports:
-        return
-    connectors = add(content, "ssd:Connectors")
-    for port in system.ports:
-        units |= add_connector(connectors, component_of(system, port), split(port)[1])
-
-
 def structure(system: SystemStructure) -> ET.Element:
     """SystemStructure.ssd."""
     root = ET.Element(tag("ssd:SystemStructureDescription"), name=system.name, version="1.0")
     content = add(root, "ssd:System", name=system.name, description=system.text)
     units = dict[str, dict[str, str]]()
-    add_ports(content, system, units)
+    if system.ports:
+        connectors = add(content, "ssd:Connectors")
+        for port in system.ports:
+            units |= add_connector(connectors, component_of(system, port), split(port)[1])
     elements = add(content, "ssd:Elements")
     connected = {*system.ports, *(end for pair in system.connections for end in pair)}
     # FMPy 0.3.32 gives an input without connection the value of another input
@@ -220,7 +209,8 @@ def add_connections(content: ET.Element, system: SystemStructure) -> None:
         add(connections, "ssd:Connection", **ends)
     for port in system.ports:
         owner, variable = split(port)
-        side, other = ("end", "start") if causality_of(system, port) == "input" else ("start", "end")
+        is_input = component_of(system, port).variables[variable][0] == "input"
+        side, other = ("end", "start") if is_input else ("start", "end")
         ends = {f"{side}Element": owner, f"{side}Connector": variable, f"{other}Connector": variable}
         add(connections, "ssd:Connection", **ends)
 

@@ -14,7 +14,6 @@ from difflib import get_close_matches
 from functools import cached_property
 from pathlib import Path
 from types import UnionType
-from typing import NamedTuple
 
 from dualcam.checking import check_design
 from dualcam.checking.rules import EQUAL_RADII
@@ -117,10 +116,10 @@ def check_system(system: SystemStructure) -> None:
         problems = [*_values(system, descriptions), *check.connections(), *check.ports()]
     problems = problems or list(_files(system))
     found = [] if problems else [judged(each, descriptions[each.name]) for each in system.components]
-    problems += [text for verdict in found for text in verdict.errors]
+    problems += [text for errors, _ in found for text in errors]
     if problems:
         raise DesignError("\n".join([f"the system {system.name!r} cannot be packed:", *problems]))
-    for text in (text for verdict in found for text in verdict.warnings):
+    for text in (text for _, doubts in found for text in doubts):
         warnings.warn(text, DualcamWarning, stacklevel=3)
 
 
@@ -303,27 +302,19 @@ def _guess(name: str, known: Iterable[str]) -> str:
     return f": did you mean {near[0]}?" if near else ""
 
 
-class JudgedStart(NamedTuple):
-    """Sentences about a component."""
-
-    errors: list[str]
-    warnings: list[str]
-
-
-def judged(component: Component, description: ModelDescription) -> JudgedStart:
-    """What `dualcam check` finds in an FMU of this project, apart from [limits] and equal radii."""
+def judged(component: Component, description: ModelDescription) -> list[list[str]]:
+    """Errors and warnings of `dualcam check` in an FMU of this project, but for [limits] and equal radii."""
     if component.members is None:
-        return JudgedStart([], [])
+        return [[], []]
     with tempfile.TemporaryDirectory() as folder:
         for name, content in component.members.items():
             if name.startswith(RESOURCES) and name.endswith(".csv"):
                 (Path(folder) / Path(name).name).write_bytes(content)
         verdict = check_design(_design(component, description, Path(folder)))
-    errors, warnings = (
+    return [
         [f"component {component.name!r}: {finding}" for finding in findings if finding.kind != EQUAL_RADII]
         for findings in (verdict.errors, verdict.warnings)
-    )
-    return JudgedStart(errors, warnings)
+    ]
 
 
 def _design(component: Component, description: ModelDescription, folder: Path) -> DesignFile:

@@ -131,17 +131,13 @@ def _named_columns(
             found[name] = [cell.strip() for cell in cells[place :: len(names)]]
         elif match is None:
             found[name] = numbers[place]
-            _warn_of_unit(name, numbers[place])
+            if len(rows) and (doubt := unit_warning(name, _farthest(numbers[place]))):
+                warnings.warn(UnitWarning(doubt), stacklevel=3)
         elif converted is None:
             raise TableError(f"column {match[0]!r}: allowed are values in the FMU's units, without unit")
         else:
             found[name] = converted(name, match[2], numbers[place])
     return found
-
-
-def _warn_of_unit(name: str, values: Array) -> None:
-    if len(values) and (text := unit_warning(name, _farthest(values))):
-        warnings.warn(UnitWarning(text), stacklevel=2)
 
 
 def _lines(text: str, separator: str | None, example: str) -> tuple[Lines, Lines, str | None]:
@@ -233,12 +229,8 @@ def _thousands(
     """A warning where all points may separate thousands."""
     columns = (cells[place :: len(header.heads)] for place in places.values())
     number = likely_thousand(columns, separator)
-    meant = number.replace(".", "")
-    return (
-        [f"{number} was read with a decimal point. If the points separate thousands, write {meant}"]
-        if number
-        else []
-    )
+    text = f"{number} was read with a decimal point. If the points separate thousands, write "
+    return [text + number.replace(".", "")] if number else []
 
 
 def _farthest(values: Array) -> float:
