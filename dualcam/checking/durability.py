@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-from dualcam.checking.trouble import ERROR, WARNING, Remedy, Trouble, finding_of, shown_beside
+from dualcam.checking.trouble import Remedy, Trouble, shown_beside, trouble
 from dualcam.design import HelicalSpring, Limits, Mechanism, find_springs
 from dualcam.design.helical_spring import INDEX
 from dualcam.design.spring_steel import DYNAMIC_GRADES
 from dualcam.design_file import DesignFile
 from dualcam.design_file.durability import spring_fatigue, spring_forces, wear_life, wear_of
+from dualcam.design_file.findings import ERROR, WARNING
 from dualcam.errors import DesignError
 
 SAME_RATE = 0.03  # relative difference of rates below which both count as equal
@@ -34,7 +35,7 @@ def _spring(design: DesignFile, mechanism: Mechanism, propose: bool) -> list[Tro
     found = [_rate(design, spring), _grade(design, spring), _index(design, spring)]
     found += _lengths(design, mechanism, spring)
     found += [_static(design, spring, largest), _fatigue(design, mechanism, spring)]
-    troubles = [trouble for trouble in found if trouble]
+    troubles = [one for one in found if one]
     if propose and (found[-1] or found[-2]):
         troubles[-1] = replace(troubles[-1], hint=_proposal(design, mechanism, spring))
     return troubles
@@ -54,7 +55,7 @@ def _rate(design: DesignFile, spring: HelicalSpring) -> Trouble | None:
     text += f", or helical_spring.active_coils = {coils:.4g}" if coils >= 2.0 else ""
     is_other = abs(spring.rate - stiffness) > OTHER_SPRING * stiffness
     severity = ERROR if is_other else WARNING
-    return Trouble(finding_of(design, "spring rate", "helical_spring.active_coils", text, severity))
+    return trouble(design, "spring rate", "helical_spring.active_coils", text, severity)
 
 
 def _grade(design: DesignFile, spring: HelicalSpring) -> Trouble | None:
@@ -67,7 +68,7 @@ def _grade(design: DesignFile, spring: HelicalSpring) -> Trouble | None:
         f"helical_spring.grade = {spring.grade}: EN 10270-1 has this wire for static duty; write"
         f' grade = "{DYNAMIC_GRADES[spring.grade]}", a wire for dynamic duty'
     )
-    return Trouble(finding_of(design, "spring grade", "helical_spring.grade", text, WARNING))
+    return trouble(design, "spring grade", "helical_spring.grade", text, WARNING)
 
 
 def _index(design: DesignFile, spring: HelicalSpring) -> Trouble | None:
@@ -78,7 +79,7 @@ def _index(design: DesignFile, spring: HelicalSpring) -> Trouble | None:
         f"spring index coil_diameter/wire_diameter = {spring.index:.4g}: a spring coiled cold has {low:g} to"
         f" {high:g} (EN 13906-1)"
     )
-    return Trouble(finding_of(design, "spring index", "helical_spring.coil_diameter", text, WARNING))
+    return trouble(design, "spring index", "helical_spring.coil_diameter", text, WARNING)
 
 
 def _lengths(design: DesignFile, mechanism: Mechanism, spring: HelicalSpring) -> list[Trouble]:
@@ -95,7 +96,7 @@ def _lengths(design: DesignFile, mechanism: Mechanism, spring: HelicalSpring) ->
             f"spring.solid_length = {1e3 * given:.4g} mm: wire and coil of helical_spring give"
             f" {1e3 * spring.solid_length:.4g} mm; write the larger one"
         )
-        found.append(Trouble(finding_of(design, "coil length", "spring.solid_length", text, WARNING)))
+        found.append(trouble(design, "coil length", "spring.solid_length", text, WARNING))
     if free - deflection < spring.least_length:
         is_solid = free - deflection <= spring.solid_length
         text = (
@@ -104,7 +105,7 @@ def _lengths(design: DesignFile, mechanism: Mechanism, spring: HelicalSpring) ->
             f" {1e3 * spring.solid_length:.4g} mm, and the gaps between the coils (EN 13906-1)"
         )
         severity = ERROR if is_solid else WARNING
-        found.append(Trouble(finding_of(design, "spring length", "spring.free_length", text, severity)))
+        found.append(trouble(design, "spring length", "spring.free_length", text, severity))
     critical = spring.buckling_deflection(free)
     if deflection >= critical:
         text = (
@@ -112,7 +113,7 @@ def _lengths(design: DesignFile, mechanism: Mechanism, spring: HelicalSpring) ->
             f" the deflection {1e3 * critical:.4g} mm; full stroke needs {1e3 * deflection:.4g} mm. Write"
             " guided = true below [helical_spring] if a rod or a sleeve guides the spring"
         )
-        found.append(Trouble(finding_of(design, "buckling", "helical_spring.coil_diameter", text, WARNING)))
+        found.append(trouble(design, "buckling", "helical_spring.coil_diameter", text, WARNING))
     return found
 
 
@@ -126,7 +127,7 @@ def _static(design: DesignFile, spring: HelicalSpring, largest: float) -> Troubl
         f" {allowed:.4g} MPa (EN 13906-1); with more"
         " stress the spring sets"
     )
-    return Trouble(finding_of(design, "spring stress", WIRE, text))
+    return trouble(design, "spring stress", WIRE, text)
 
 
 def _fatigue(design: DesignFile, mechanism: Mechanism, spring: HelicalSpring) -> Trouble | None:
@@ -138,7 +139,7 @@ def _fatigue(design: DesignFile, mechanism: Mechanism, spring: HelicalSpring) ->
         f"spring fatigue: between {cycle.lower / 1e6:.4g} and {cycle.upper / 1e6:.4g} MPa the Goodman safety"
         f" is {shown_beside(cycle.safety, limit)}: allowed is {limit:g} or more{default}"
     )
-    return Trouble(finding_of(design, "spring fatigue", WIRE, text))
+    return trouble(design, "spring fatigue", WIRE, text)
 
 
 def _proposal(design: DesignFile, mechanism: Mechanism, spring: HelicalSpring) -> str:
@@ -201,7 +202,7 @@ def _roller(design: DesignFile) -> list[Trouble]:
         )
         if roller.largest_bearing_friction > 0.0:
             text += f"; the roller rolls with bearing_friction up to {roller.largest_bearing_friction:.4g}"
-        found.append(Trouble(finding_of(design, "roller", "roller.bearing_friction", text, WARNING)))
+        found.append(trouble(design, "roller", "roller.bearing_friction", text, WARNING))
     for key in ("cam1.friction", "cam2.friction"):
         given = design.value(key)
         if abs(given - roller.friction) > SAME_FRICTION * max(given, roller.friction):
@@ -210,7 +211,7 @@ def _roller(design: DesignFile) -> list[Trouble]:
                 f"{key} = {given:.4g}: the roller {motion} with the coefficient {roller.friction:.4g}; write"
                 f" {key} = {roller.friction:.4g}"
             )
-            found.append(Trouble(finding_of(design, "roller friction", key, text, WARNING)))
+            found.append(trouble(design, "roller friction", key, text, WARNING))
     return found
 
 
@@ -227,7 +228,7 @@ def _wear(design: DesignFile, mechanism: Mechanism) -> list[Trouble]:
             "[pin] and cam1.wear, cam2.wear or pin.wear" if design.pin is None else "cam1.wear, cam2.wear"
         )
         text = f"limits.cycles = {limits.cycles:g} is not checked: give {needed}, the specific wear rates"
-        return [Trouble(finding_of(design, "wear unknown", "limits.cycles", text, WARNING))]
+        return [trouble(design, "wear unknown", "limits.cycles", text, WARNING)]
     life = wear_life(design, found)
     if life.cycles >= limits.cycles:
         return []
@@ -236,5 +237,4 @@ def _wear(design: DesignFile, mechanism: Mechanism) -> list[Trouble]:
         f" {shown_beside(life.cycles, limits.cycles, 4)} cycles: allowed is limits.cycles ="
         f" {limits.cycles:.4g} cycles or more"
     )
-    finding = finding_of(design, "wear", "pin.width", text)
-    return [Trouble(finding, (Remedy("pin.width", 0.2),))]
+    return [trouble(design, "wear", "pin.width", text, ERROR, Remedy("pin.width", 0.2))]

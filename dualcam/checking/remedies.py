@@ -8,8 +8,9 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from dualcam.checking.rules import troubles
-from dualcam.checking.trouble import ERROR, Remedy, Trouble, value_of, with_value
+from dualcam.checking.trouble import Remedy, Trouble, value_of, with_value
 from dualcam.design_file import DesignFile, Finding
+from dualcam.design_file.findings import ERROR
 from dualcam.errors import DualcamError
 from dualcam.fmi.variables import all_parameters
 

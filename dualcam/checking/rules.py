@@ -7,16 +7,17 @@ keys whose change can help.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
 
 from dualcam.checking.durability import durability
-from dualcam.checking.trouble import ERROR, WARNING, Remedy, Trouble, finding_of, value_of
+from dualcam.checking.trouble import Remedy, Trouble, trouble, value_of
 from dualcam.design import Limits, Mechanism, torque_band
 from dualcam.design.strength import LimitViolation, examine
 from dualcam.design_file import DesignFile, Finding
+from dualcam.design_file.findings import ERROR, WARNING
 from dualcam.errors import DesignError
 
 OF_GROOVES = ("jam", "level", "self-locking", "lead angle", "undercut", "contact pressure")  # kinds
@@ -36,7 +37,7 @@ def swap_warning(design: DesignFile, errors: Iterable[str]) -> Finding | None:
     others = [f"cam{3 - i}.{name}" for i in (1, 2) for name in grooves]
     exchanged = {name: design.value(other) for name, other in zip(names, others, strict=True)}
     swapped = replace(design, parameters=design.parameters | exchanged)
-    if any(trouble.finding.severity == ERROR for trouble in troubles(swapped)):
+    if any(one.finding.severity == ERROR for one in troubles(swapped)):
         return None
     text = "with the grooves of cam 1 and cam 2 exchanged there is no error: are cam 1 and cam 2 swapped?"
     return Finding(WARNING, "cam1", None, text, kind="swapped")
@@ -53,14 +54,8 @@ def troubles(design: DesignFile, locate: bool = True) -> list[Trouble]:
     limits = design.limits or Limits()
     _, failures = examine(mechanism, design.pin, limits, locate=locate)
     found = [_trouble(design, mechanism, failure) for failure in failures]
-    more: tuple[Callable[[DesignFile, Mechanism], list[Trouble]], ...] = (
-        _solid_length,
-        _start,
-        _imposed,
-        _pin_in_cam,
-        _equal_radii,
-    )
-    found += [trouble for rule in more for trouble in rule(design, mechanism)]
+    more = (_solid_length, _start, _imposed, _pin_in_cam, _equal_radii)
+    found += [one for rule in more for one in rule(design, mechanism)]
     return [*found, *durability(design, mechanism, propose=locate)]
 
 
@@ -74,14 +69,14 @@ def _stops(design: DesignFile) -> list[Trouble]:
     )
     is_negative = high < 0.0 and -high > low
     hint = f"Is the sign of stop.upper wrong: {-high:.6g} rad?" if is_negative else "Are the stops exchanged?"
-    return [Trouble(finding_of(design, "stops", "stop.upper", text), hint=hint)]
+    return [trouble(design, "stops", "stop.upper", text, hint=hint)]
 
 
 def _impossible(design: DesignFile, error: DesignError) -> Trouble:
     """A groove that its class refuses, such as an ellipse that starts vertical."""
     steep = [f"cam{i}.lead_angle" for i in (1, 2) if design.value(f"cam{i}.profile") != 3]
-    remedies = tuple(Remedy(key, 0.1) for key in steep if value_of(design, key) > 0.1)
-    return Trouble(finding_of(design, "groove", remedies[0].key if remedies else "", str(error)), remedies)
+    remedies = [Remedy(key, 0.1) for key in steep if value_of(design, key) > 0.1]
+    return trouble(design, "groove", remedies[0].key if remedies else "", str(error), ERROR, *remedies)
 
 
 def _trouble(design: DesignFile, mechanism: Mechanism, failure: LimitViolation) -> Trouble:
@@ -89,16 +84,16 @@ def _trouble(design: DesignFile, mechanism: Mechanism, failure: LimitViolation) 
     if what.endswith(" ends"):
         return _groove_end(design, mechanism, failure)
     if what == "spring force":
-        remedies = [Remedy("spring.preload", 1e3 * (1.0 + abs(failure.value)))]
+        remedy = Remedy("spring.preload", 1e3 * (1.0 + abs(failure.value)))
         hint = "Is the sign of spring.preload wrong?" if design.value("spring.preload") < 0.0 else ""
-        return Trouble(finding_of(design, "spring force", "spring.preload", text), tuple(remedies), hint)
+        return trouble(design, "spring force", "spring.preload", text, ERROR, remedy, hint=hint)
     if what.startswith("both grooves level"):
-        finding = finding_of(design, "level", "cam1.lead_angle", text)
-        return Trouble(finding, (Remedy("cam1.lead_angle", 0.8), *_shorter(failure)))
+        remedies = Remedy("cam1.lead_angle", 0.8), *_shorter(failure)
+        return trouble(design, "level", "cam1.lead_angle", text, ERROR, *remedies)
     if what.startswith("jam"):
         return _jam(design, text)
     if what in design.parameters:
-        return Trouble(finding_of(design, "limit", what, text))
+        return trouble(design, "limit", what, text)
     return _of_groove(design, failure, 2 if what.endswith("2") else 1)
 
 
@@ -106,8 +101,8 @@ def _groove_end(design: DesignFile, mechanism: Mechanism, failure: LimitViolatio
     """A groove that ends before a stop."""
     upper = failure.theta > 0.0 or mechanism.lower >= 0.0
     stop = "stop.upper" if upper else "stop.lower"
-    finding = finding_of(design, "groove end", stop, f"{stop}: {failure.text}")
-    return Trouble(finding, (Remedy(stop, 0.5 * failure.theta),))
+    remedy = Remedy(stop, 0.5 * failure.theta)
+    return trouble(design, "groove end", stop, f"{stop}: {failure.text}", ERROR, remedy)
 
 
 def _shorter(failure: LimitViolation) -> tuple[Remedy, ...]:
@@ -120,7 +115,7 @@ def _jam(design: DesignFile, text: str) -> Trouble:
     remedies = [Remedy(f"cam{i}.friction", 0.0) for i in steep if not design.value(f"cam{i}.friction_table")]
     remedies += [Remedy(f"cam{i}.lead_angle", 0.1) for i in (1, 2) if design.value(f"cam{i}.profile") == 1]
     key = remedies[0].key if remedies else f"cam{steep[0]}.friction_table"
-    return Trouble(finding_of(design, "jam", key, text), tuple(remedies))
+    return trouble(design, "jam", key, text, ERROR, *remedies)
 
 
 def _of_groove(design: DesignFile, failure: LimitViolation, i: int) -> Trouble:
@@ -132,25 +127,22 @@ def _of_groove(design: DesignFile, failure: LimitViolation, i: int) -> Trouble:
     if what.startswith("self-locking"):
         remedies = [] if is_table else [Remedy(lead, 1.2)]
         hint = "If locking is meant, write self_locking = true below [limits]"
-        finding = finding_of(design, f"self-locking {i}", key, text)
         if not design.value(f"cam{i}.friction_table"):
             remedies.append(Remedy(friction, 0.0))
-        return Trouble(finding, (*remedies, *shorter), hint)
+        return trouble(design, f"self-locking {i}", key, text, ERROR, *remedies, *shorter, hint=hint)
     if what.startswith("lead angle"):
         low, high = (design.limits or Limits()).lead_angle
         remedies = [] if is_table else [Remedy(lead, 0.5 * (low + high))]
         severity = WARNING if design.limits is None else ERROR
-        finding = finding_of(design, f"lead angle {i}", key, text, severity)
-        return Trouble(finding, (*remedies, *shorter))
+        return trouble(design, f"lead angle {i}", key, text, severity, *remedies, *shorter)
     if what.startswith("undercut"):
-        finding = finding_of(design, f"undercut {i}", "pin.radius", text)
-        return Trouble(finding, (Remedy("pin.radius", 1e-6),))
+        return trouble(design, f"undercut {i}", "pin.radius", text, ERROR, Remedy("pin.radius", 1e-6))
     if ("limits", "pressure") not in design.lines and (
         design.limits or Limits()
     ).pressure == Limits().pressure:
         text += "; this limit is the default of limits.pressure"
-    finding = finding_of(design, f"contact pressure {i}", "pin.width", text)
-    return Trouble(finding, (Remedy("pin.width", 0.2), Remedy("spring.preload", 0.0), *shorter))
+    remedies = [Remedy("pin.width", 0.2), Remedy("spring.preload", 0.0)]
+    return trouble(design, f"contact pressure {i}", "pin.width", text, ERROR, *remedies, *shorter)
 
 
 def _solid_length(design: DesignFile, mechanism: Mechanism) -> list[Trouble]:
@@ -169,7 +161,7 @@ def _solid_length(design: DesignFile, mechanism: Mechanism) -> list[Trouble]:
         f" solid_length = {1e3 * (free - solid):.4g} mm"
     )
     remedies = (Remedy("stop.upper", max(mechanism.lower, 0.0) + 0.01), Remedy("spring.preload", 0.0))
-    return [Trouble(finding_of(design, "solid length", "stop.upper", text), remedies)]
+    return [trouble(design, "solid length", "stop.upper", text, ERROR, *remedies)]
 
 
 def _pin_in_cam(design: DesignFile, mechanism: Mechanism) -> list[Trouble]:
@@ -182,7 +174,7 @@ def _pin_in_cam(design: DesignFile, mechanism: Mechanism) -> list[Trouble]:
         f"pin.radius = {1e3 * pin.radius:.6g} mm: allowed is less than cam{cam}.radius ="
         f" {1e3 * radius:.6g} mm; is the unit of one of both wrong?"
     )
-    return [Trouble(finding_of(design, "pin in cam", "pin.radius", text), (Remedy("pin.radius", 1e-6),))]
+    return [trouble(design, "pin in cam", "pin.radius", text, ERROR, Remedy("pin.radius", 1e-6))]
 
 
 def _equal_radii(design: DesignFile, mechanism: Mechanism) -> list[Trouble]:
@@ -203,7 +195,7 @@ def _equal_radii(design: DesignFile, mechanism: Mechanism) -> list[Trouble]:
         f" Equal grooves with radii of {0.75 * radius:.4g} and {1.5 * radius:.4g} mm have the same torque and"
         " stroke"
     )
-    return [Trouble(finding_of(design, EQUAL_RADII, "cam2.radius", text, WARNING))]
+    return [trouble(design, EQUAL_RADII, "cam2.radius", text, WARNING)]
 
 
 def _start(design: DesignFile, mechanism: Mechanism) -> list[Trouble]:
@@ -216,7 +208,7 @@ def _start(design: DesignFile, mechanism: Mechanism) -> list[Trouble]:
         f" {mechanism.upper:.6g} rad"
     )
     middle = 0.5 * (mechanism.lower + mechanism.upper)
-    return [Trouble(finding_of(design, "start", "initial.theta", text), (Remedy("initial.theta", middle),))]
+    return [trouble(design, "start", "initial.theta", text, ERROR, Remedy("initial.theta", middle))]
 
 
 def _imposed(design: DesignFile, mechanism: Mechanism) -> list[Trouble]:
@@ -232,9 +224,9 @@ def _imposed(design: DesignFile, mechanism: Mechanism) -> list[Trouble]:
         f"scenario.inputs.theta reaches {far:.6g} rad: allowed is stop.lower = {mechanism.lower:.6g} rad to"
         f" stop.upper = {mechanism.upper:.6g} rad"
     )
-    key = "scenario.inputs.theta"
     remedy = Remedy("stop.upper" if far > 0.0 else "stop.lower", 1.001 * far)
-    return [Trouble(finding_of(design, "imposed angle", key, text, value=far), (remedy,))]
+    finding = Finding(ERROR, "scenario.inputs.theta", far, text, kind="imposed angle")
+    return [Trouble(finding, (remedy,))]
 
 
 def implausible(design: DesignFile) -> list[Finding]:

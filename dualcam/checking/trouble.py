@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from dualcam.design_file import DesignFile, Finding
+from dualcam.design_file.findings import ERROR
 from dualcam.fmi.variables import all_parameters
 
-ERROR, WARNING = "error", "warning"
 TABLES = ("pin", "roller", "helical_spring", "limits")  # of the design file, each an object
 
 
@@ -29,12 +29,12 @@ class Trouble:
     hint: str = ""
 
 
-def finding_of(
-    design: DesignFile, kind: str, key: str, text: str, severity: str = ERROR, value: object = None
-) -> Finding:
-    """A finding about the value of a key."""
-    shown = value_of(design, key) if value is None and key else value
-    return Finding(severity, key, shown, text, kind=kind)
+def trouble(
+    design: DesignFile, kind: str, key: str, text: str, severity: str = ERROR, *mend: Remedy, hint: str = ""
+) -> Trouble:
+    """A finding about the value of a key, with what can help."""
+    value = value_of(design, key) if key else None
+    return Trouble(Finding(severity, key, value, text, kind=kind), mend, hint)
 
 
 def value_of(design: DesignFile, key: str) -> Any:  # noqa: ANN401

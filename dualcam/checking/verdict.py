@@ -10,7 +10,6 @@ import numpy as np
 
 from dualcam.checking.remedies import RemedySearch
 from dualcam.checking.rules import implausible, swap_warning, troubles
-from dualcam.checking.trouble import ERROR, WARNING
 from dualcam.common.unit_guards import units_checked_before
 from dualcam.design import Limits, Pin, torque_band
 from dualcam.design.mechanism import POINTS, Mechanism
@@ -29,6 +28,7 @@ from dualcam.design_file.durability import (
     wear_numbers,
     wear_words,
 )
+from dualcam.design_file.findings import ERROR, WARNING
 from dualcam.design_file.toml_text import line_of
 from dualcam.errors import FmuError
 from dualcam.fmi.library import fmu_path
@@ -143,48 +143,44 @@ def check_design(design: DesignSource) -> Verdict:
     """
     design = as_design(design, shows_findings=True)
     found = troubles(design)
-    start = _start_of(design)
-    refusal = start.refusal
+    refusal, friction_class = _start_of(design)
     causes = [warning for warning in design.warnings if warning.kind == UNIT and warning.key not in NO_CAUSE]
     if causes:
-        findings = [trouble.finding for trouble in found]
+        findings = [one.finding for one in found]
     else:
-        search = RemedySearch(design, found, lambda other: _start_of(other).refusal)
-        findings = [search.mended(trouble) for trouble in found]
+        search = RemedySearch(design, found, lambda other: _start_of(other)[0])
+        findings = [search.mended(one) for one in found]
     errors = [finding.kind for finding in findings if finding.severity == ERROR]
-    has_errors = bool(errors)
-    if has_errors and not causes and (swapped := swap_warning(design, errors)):
+    if errors and not causes and (swapped := swap_warning(design, errors)):
         findings.append(swapped)
-    if refusal and not has_errors:
+    if refusal and not errors:
         text = f"the FMU does not start: {refusal}{_soft_shaft(design)}"
         findings.append(Finding(ERROR, "", None, text, kind="fmu"))
-    findings += [*_unused(design), *_only_defaults(design)]
-    if not (refusal or has_errors):
+    findings += _unused(design)
+    if not design.parameters:
+        text = "no parameter is given: every value is the default of the FMU, listed by `dualcam info`"
+        findings.append(Finding(WARNING, "", None, text, kind="defaults"))
+    if not (refusal or errors):
         findings += implausible(design)
-    placed = [finding.at_line(_line(design, finding.key)) for finding in findings]
+    placed = [
+        one.at_line(line_of(design.lines, tuple(one.key.split("."))) if one.key else None) for one in findings
+    ]
     others = [warning for warning in design.warnings if warning not in causes]
     ordered = sorted([*placed, *others], key=lambda finding: finding.severity != ERROR)
-    numbers = None if refusal or has_errors else key_numbers(design, start.friction_class)
+    numbers = None if refusal or errors else key_numbers(design, friction_class)
     return Verdict(design.name, design.model, not refusal, (*causes, *ordered), design.notes, numbers)
 
 
-@dataclass(frozen=True)
-class _Start:
-    """The start of the FMU with a design: its refusal, empty if it starts, or its friction class."""
-
-    refusal: str
-    friction_class: int = 0
-
-
-def _start_of(design: DesignFile) -> _Start:
+def _start_of(design: DesignFile) -> tuple[str, int]:
+    """The FMU's refusal to start with a design, "" if it starts, and its friction class."""
     from dualcam.fmi.fmu import Fmu
 
     with Fmu(fmu_path(design.model)) as fmu, units_checked_before():
         try:
             fmu.start(design.parameters_for() | _first_inputs(design))
         except FmuError as error:
-            return _Start(str(error))
-        return _Start("", int(fmu.get("friction_class")))
+            return str(error), 0
+        return "", int(fmu.get("friction_class"))
 
 
 def _first_inputs(design: DesignFile) -> dict[str, float]:
@@ -217,14 +213,6 @@ def _unused(design: DesignFile) -> list[Finding]:
     ]
 
 
-def _only_defaults(design: DesignFile) -> list[Finding]:
-    """A warning about a file without a parameter."""
-    if design.parameters:
-        return []
-    text = "no parameter is given: every value is the default of the FMU, listed by `dualcam info`"
-    return [Finding(WARNING, "", None, text, kind="defaults")]
-
-
 def _soft_shaft(design: DesignFile) -> str:
     """What to do about an elastic shaft with friction that falls with the speed; empty without both."""
     peaks = any(design.value(f"cam{i}.friction_peak") > 1.0 for i in (1, 2))
@@ -234,10 +222,6 @@ def _soft_shaft(design: DesignFile) -> str:
         f". For stick-slip put the soft shaft (shaft.stiffness = {design.value('shaft.stiffness'):g} N.m/rad)"
         " outside a forward FMU: docs/stick-slip.md"
     )
-
-
-def _line(design: DesignFile, key: str) -> int | None:
-    return line_of(design.lines, tuple(key.split("."))) if key else None
 
 
 @dataclass(frozen=True)
