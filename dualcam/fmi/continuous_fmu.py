@@ -66,7 +66,7 @@ class ContinuousFmu(Handle):
             Start time [s].
         """
         self._begin({} if parameters is None else parameters, time, None)
-        self._instance.exit_initialization()
+        self._instance.call(self._instance.EXIT_INITIALIZATION)
         self._settle()
         self._instance.allow_calls()
 

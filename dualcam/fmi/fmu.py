@@ -86,7 +86,7 @@ class Fmu(Handle):
             Relative tolerance of the FMU's integrator. None: the FMU's default, here 1e-9.
         """
         self._begin({} if parameters is None else parameters, time, tolerance)
-        self._instance.exit_initialization()
+        self._instance.call(self._instance.EXIT_INITIALIZATION)
         self._instance.allow_calls()
 
     def step(self, size: float) -> None:
@@ -171,4 +171,4 @@ class RepeatedStart:
             Start values in the order of `names`.
         """
         self.initialize(values)
-        self.fmu._instance.exit_initialization()
+        self.fmu._instance.call(self.fmu._instance.EXIT_INITIALIZATION)

@@ -6,7 +6,7 @@ import difflib
 import math
 import weakref
 from collections.abc import Iterable, Mapping, Sequence
-from ctypes import c_double, c_uint
+from ctypes import c_double, c_uint, c_void_p
 from pathlib import Path
 from typing import Self
 
@@ -130,7 +130,8 @@ class Handle(ProcessBound):
             warn_units({name: (name, value) for name, value in parameters.items()}, stacklevel=4)
         for name, value in parameters.items():
             self._set(name, value)
-        instance.enter_initialization(tolerance, time)
+        for name, arguments in instance.initialization_calls(tolerance, time):
+            instance.call(name, *arguments)
         self.parameters = dict(parameters)
         self._time = time
 
@@ -314,7 +315,7 @@ class Handle(ProcessBound):
             raise FmuError(f"restore_state({state!r}): allowed is a state from save_state")
         if state._instance is not self._instance:
             raise FmuError("this state is of another instance: allowed are those that this one gave")
-        self._instance.restore_state(state._address)
+        self._instance.call(self._instance.SET_STATE, c_void_p(state._address))
         self._instance.allow_calls()
         self._time = state._time
 

@@ -56,7 +56,11 @@ class Instance(ABC):
         self._unpacked = Unpacked(path, description.fmi_major)
         self.directory = self._unpacked.folder
         try:
-            self._open(path, library_file(path, self.directory, interface, description.fmi_major))
+            file = library_file(path, self.directory, interface, description.fmi_major)
+            self.library = load(ctypes.CDLL, path, file)
+            # Calls through it keep Python's lock: giving it away and taking it back takes longer than a call
+            # that only copies values.
+            self.brief = load(ctypes.PyDLL, path, file)
             try:
                 self.component = self._made(path, description, use)
             except BaseException:
@@ -66,12 +70,6 @@ class Instance(ABC):
             self._unpacked.delete()
             raise
         self.is_open = True
-
-    def _open(self, path: Path, file: Path) -> None:
-        self.library = load(ctypes.CDLL, path, file)
-        # Calls through it keep Python's lock: giving it away and taking it back takes longer than a call that
-        # only copies values.
-        self.brief = load(ctypes.PyDLL, path, file)
 
     def _made(self, path: Path, description: ModelDescription, use: Use) -> c_void_p:
         try:
@@ -181,15 +179,6 @@ class Instance(ABC):
     ) -> list[tuple[str, tuple[object, ...]]]:
         """Names and arguments of the calls that enter initialization mode at `time` [s]."""
 
-    def enter_initialization(self, tolerance: float | None, time: float) -> None:
-        """Enter initialization mode at `time` [s]."""
-        for name, arguments in self.initialization_calls(tolerance, time):
-            self.call(name, *arguments)
-
-    def exit_initialization(self) -> None:
-        """Leave initialization mode: the run begins."""
-        self.call(self.EXIT_INITIALIZATION)
-
     def sized(self, values: object, count: c_size_t) -> tuple[object, ...]:
         """`values` as arguments: FMI 3.0 wants their number again."""
         return (values, count) if self.VERSION == 3 else (values,)
@@ -242,11 +231,6 @@ class Instance(ABC):
     ) -> partial[int]:
         """A call that sets time derivatives of inputs; FmuError where FMI has none."""
 
-    def set_input_derivatives(self, references: References, order: int, values: Reals) -> None:
-        """Set time derivatives of one order of inputs."""
-        call = self.input_derivatives_call(references, [order] * len(references), values)
-        self.check(call(), "setting derivatives of inputs")
-
     def directional_derivative(
         self, unknowns: References, knowns: References, seed: Reals, product: Reals
     ) -> None:
@@ -263,10 +247,6 @@ class Instance(ABC):
             raise FmuError(f"{name} gave no state")
         self.states.add(address.value)
         return address.value
-
-    def restore_state(self, address: int) -> None:
-        """Go back to a saved state."""
-        self.call(self.SET_STATE, c_void_p(address))
 
     def free_state(self, address: int) -> None:
         """Free a saved state, once."""

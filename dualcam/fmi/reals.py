@@ -121,8 +121,9 @@ class Reals(ProcessBound):
         """
         self._instance.require_calls_allowed()
         given = real_array(values, "values", FmuError, self._values.shape)
-        derivatives = (c_double * len(self.names))(*given)
-        self._instance.set_input_derivatives(self._references, _order(order), derivatives)
+        derivatives, orders = (c_double * len(self.names))(*given), [_order(order)] * len(self.names)
+        call = self._instance.input_derivatives_call(self._references, orders, derivatives)
+        self._instance.check(call(), "setting derivatives of inputs")
 
 
 def _order(order: int) -> int:

@@ -90,7 +90,7 @@ def plot_band(band: TorqueBand, title: str = "") -> Figure:
 def draw_band(axes: Axes, band: TorqueBand) -> None:
     """The band between both edges, over the angle in degrees."""
     angle = np.degrees(band.theta)
-    finite = np.where(np.isfinite(band.load), band.load, np.nan)
+    finite = _finite(band.load)
     axes.fill_between(angle, band.release, finite, color=GREY, alpha=0.2, lw=0, label="stick: at rest")
     axes.plot(angle, finite, color=ORANGE, label="to load")
     axes.plot(angle, band.release, color=BLUE, label="given back")
@@ -229,9 +229,8 @@ def plot_wear(wear: Wear, worn: WornMechanism | None, cycles: float) -> Figure:
             (worn.new_load, worn.load, ORANGE, "to load"),
             (worn.new_release, worn.release, BLUE, "given back"),
         ):
-            axes[1].plot(angle, np.where(np.isfinite(new), new, np.nan), color=colour, label=f"{name}, new")
-            worn_torque = np.where(np.isfinite(old), old, np.nan)
-            axes[1].plot(angle, worn_torque, "--", color=colour, label=f"{name}, worn")
+            axes[1].plot(angle, _finite(new), color=colour, label=f"{name}, new")
+            axes[1].plot(angle, _finite(old), "--", color=colour, label=f"{name}, worn")
         axes[1].set_ylabel("torque [N.m]")
         _finish(axes[1], ANGLE)
     return picture

@@ -111,7 +111,7 @@ def _findings(verdict: Verdict) -> str:
         f'<li class="{finding.severity}"><b>{finding.severity}:</b> {escape(finding.text)}</li>\n'
         for finding in verdict.findings
     )
-    return f"<h2>Findings</h2>\n{head}\n<ul>\n{items}</ul>\n" if items else f"<h2>Findings</h2>\n{head}\n"
+    return f"<h2>Findings</h2>\n{head}\n" + (f"<ul>\n{items}</ul>\n" if items else "")
 
 
 def _curves(design: DesignFile, verdict: Verdict) -> list[str]:
@@ -159,13 +159,10 @@ def _reactions(design: DesignFile, mechanism: Mechanism) -> str:
 def _simulation(trajectory: Trajectory, band: TorqueBand) -> str:
     last = {name: trajectory[name][-1] for name in trajectory.names}
     scale = energy_scale(trajectory)
-    heats = [name for name in ENERGIES if name.startswith("energy.heat") and name in last]
-    rows = [
-        (LABELS[name], energy_words(last[name], scale))
-        for name in ENERGIES
-        if name in last and name != "energy.residual"
-    ]
-    rows.append(("all heat of this run", energy_words(sum(last[name] for name in heats), scale)))
+    accounts = [name for name in ENERGIES if name in last and name != "energy.residual"]
+    rows = [(LABELS[name], energy_words(last[name], scale)) for name in accounts]
+    heat = sum(last[name] for name in accounts if name.startswith("energy.heat"))
+    rows.append(("all heat of this run", energy_words(heat, scale)))
     rows.append((LABELS["energy.residual"], residual_words(trajectory)))
     return (
         "<h2>Simulation</h2>\n"

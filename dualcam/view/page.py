@@ -76,14 +76,16 @@ def write_view(design: DesignSource | None, path: str | Path) -> Path:
 def view_page(design: DesignFile | None = None) -> str:
     """The page as text; None: the default mechanism. FmuError if the FMU refuses the design."""
     content = page_content(design)
+    third_party = (web_path(THREE) / "LICENSE").read_text(encoding="utf-8")
     model = base64.b64encode(web_path(f"{MODELS[MODEL]}.wasm").read_bytes()).decode()
     parts = {
         "title": escape(content["title"]),
         "style": (FOLDER / "style.css").read_text(encoding="utf-8"),
         "imports": json.dumps({"imports": _modules()}),
-        "content": _in_script(json.dumps(content)),
+        "content": json.dumps(content).replace("<", "\\u003c"),  # cannot end the element that holds it
         "model": model,
-        "licences": _licences(),
+        "licences": f"<h3>dualcam</h3><pre>{escape(_own_licence())}</pre>\n"
+        f"<h3>three.js</h3><pre>{escape(third_party)}</pre>",
         "version": escape(dualcam.__version__),
     }
     template = (FOLDER / "page.html").read_text(encoding="utf-8")
@@ -119,19 +121,9 @@ def _start_values(design: DesignFile) -> dict[str, Scalar]:
 def _description() -> dict[str, Any]:
     """The FMU's variables, as engine.js reads them."""
     read = read_model_description(fmu_path(MODEL))
+    keys = ("name", "type", "causality", "variability", "start", "min", "max", "unit", "description")
     variables = [
-        {
-            "name": variable.name,
-            "vr": variable.value_reference,
-            "type": variable.type,
-            "causality": variable.causality,
-            "variability": variable.variability,
-            "start": variable.start,
-            "min": variable.min,
-            "max": variable.max,
-            "unit": variable.unit,
-            "description": variable.description,
-        }
+        {"vr": variable.value_reference, **{key: getattr(variable, key) for key in keys}}
         for variable in read.variables
     ]
     return {"guid": read.guid, "variables": variables}
@@ -178,17 +170,6 @@ def _modules() -> dict[str, str]:
 def _data_url(text: str, name: str) -> str:
     named = f"{text}\n//# sourceURL={name}.js\n"  # the name in messages of the browser
     return f"data:text/javascript;base64,{base64.b64encode(named.encode()).decode()}"
-
-
-def _in_script(text: str) -> str:
-    """JSON that cannot end the element that holds the JSON."""
-    return text.replace("<", "\\u003c")
-
-
-def _licences() -> str:
-    return f"<h3>dualcam</h3><pre>{escape(_own_licence())}</pre>\n<h3>three.js</h3><pre>" + (
-        f"{escape((web_path(THREE) / 'LICENSE').read_text(encoding='utf-8'))}</pre>"
-    )
 
 
 def _own_licence() -> str:
