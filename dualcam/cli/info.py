@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import asdict, astuple
 from textwrap import fill
 from typing import TYPE_CHECKING
 
@@ -121,14 +121,10 @@ def _short(variables: Sequence[Variable]) -> str:
 
 def _experiment(experiment: DefaultExperiment) -> str:
     """The given values in words."""
-    words = {
-        "start": (experiment.start_time, " s"),
-        "stop": (experiment.stop_time, " s"),
-        "step": (experiment.step_size, " s"),
-        "tolerance": (experiment.tolerance, ""),
-    }
-    given = [f"{word} {value:g}{unit}" for word, (value, unit) in words.items() if value is not None]
-    return ", ".join(given) or "none"
+    words = zip(
+        ("start", "stop", "step", "tolerance"), astuple(experiment), (" s", " s", " s", ""), strict=True
+    )
+    return ", ".join(f"{word} {value:g}{unit}" for word, value, unit in words if value is not None) or "none"
 
 
 def _head(description: ModelDescription) -> dict[str, str | Sequence[str]]:

@@ -56,7 +56,7 @@ class Description:
         self.tags = _tags(xml)
         self.root = self.tags[0]
         self.fmi = int(self.root.attributes["fmiVersion"][0])
-        self.variables = {v.name: v for v in (_variables_2 if self.fmi == 2 else _variables_3)(self.tags)}
+        self.variables = {v.name: v for v in _variables(self.tags, self.fmi)}
 
     @property
     def identifier(self) -> str:
@@ -133,30 +133,18 @@ def _tags(xml: bytes) -> list[Tag]:
     return found
 
 
-def _variables_2(tags: list[Tag]) -> list[VariableTag]:
-    """In FMI 2.0 the tag after ScalarVariable has type and start value."""
-    found = []
-    for tag, inner in pairwise(tags):
-        if tag.name == "ScalarVariable":
-            a = tag.attributes
-            unit = inner.attributes.get("unit")
-            found.append(
-                VariableTag(a["name"], int(a["valueReference"]), inner.name, a["causality"], unit, inner)
-            )
-    return found
-
-
-def _variables_3(tags: list[Tag]) -> list[VariableTag]:
-    """In FMI 3.0 the tag is named after the type; the start value of a String has a tag of its own."""
+def _variables(tags: list[Tag], fmi: int) -> list[VariableTag]:
+    """In FMI 2.0 the tag after ScalarVariable has type and start value. In FMI 3.0 the tag of a variable is
+    named after the type, and the start value of a String has a tag of its own."""
     types = {"Float64": "Real", "Int32": "Integer", "Boolean": "Boolean", "String": "String"}
     found = []
-    for tag, inner in zip(tags, [*tags[1:], tags[-1]], strict=True):
-        if tag.name in types:
-            a = tag.attributes
-            place = inner if inner.name == "Start" else tag
-            found.append(
-                VariableTag(
-                    a["name"], int(a["valueReference"]), types[tag.name], a["causality"], a.get("unit"), place
-                )
-            )
+    for tag, inner in pairwise([*tags, tags[-1]]):
+        a = tag.attributes
+        if tag.name == "ScalarVariable":
+            kind, unit, place = inner.name, inner.attributes.get("unit"), inner
+        elif fmi == 3 and tag.name in types:
+            kind, unit, place = types[tag.name], a.get("unit"), inner if inner.name == "Start" else tag
+        else:
+            continue
+        found.append(VariableTag(a["name"], int(a["valueReference"]), kind, a["causality"], unit, place))
     return found

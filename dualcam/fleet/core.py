@@ -140,16 +140,13 @@ class Core:
             return
         reports = POINTER(Report)()
         listed = self._native.fleet_reports(self._handle, byref(reports))
-        reasons = {reports[k].instance: _plain(reports[k].text) for k in range(listed)}
-        reasons = dict(sorted(reasons.items()))
+        texts = {reports[k].instance: reports[k].text.decode(errors="replace") for k in range(listed)}
+        reasons = {instance: text.replace("##", "#") for instance, text in sorted(texts.items())}
         told = "; ".join(f"instance {i}: {reason}" for i, reason in list(reasons.items())[:REASONS_TOLD])
         more = f"; and {failures - REASONS_TOLD} more" if failures > REASONS_TOLD else ""
         head = f"{failures} of {self.count} instances failed: " if failures > 1 else ""
-        instances = tuple(reasons) if failures <= len(reasons) else self._all_failed()
-        raise FleetError(f"{head}{told}{more}", instances, reasons)
-
-    def _all_failed(self) -> tuple[int, ...]:
-        return tuple(int(i) for i in np.flatnonzero(self.failed()))
+        instances = reasons if failures <= len(reasons) else np.flatnonzero(self.failed()).tolist()
+        raise FleetError(f"{head}{told}{more}", tuple(instances), reasons)
 
     def keep_states(self, states: NDArray[np.uintp]) -> int:
         """A key for states that `close` is to free."""
@@ -161,10 +158,6 @@ class Core:
         states = self._states.pop(key, None)
         if states is not None and self._handle is not None:
             self._native.fleet_free_states(self._handle, address(states))
-
-
-def _plain(text: bytes) -> str:
-    return text.decode(errors="replace").replace("##", "#")
 
 
 class FleetState(ProcessBound):

@@ -112,9 +112,8 @@ class Fleet(ProcessBound):
     ) -> None:
         self.path = source_path(fmu)
         self.count = whole_number(count, "count", "a whole number > 0", math.inf)
-        self.threads = whole_number(
-            threads, "threads", f"a whole number from 1 to {MOST_THREADS}", MOST_THREADS
-        )
+        allowed = f"a whole number from 1 to {MOST_THREADS}"
+        self.threads = whole_number(threads, "threads", allowed, MOST_THREADS)
         self.description = read_model_description(self.path)
         if self.description.fmi_major != 2:
             raise FmuError(f"{self.path} is of FMI {self.description.fmi_version}: allowed is FMI 2.0")
@@ -196,7 +195,7 @@ class Fleet(ProcessBound):
         FmuError
             A wrong shape or type, or a value that is not finite: no instance made the step.
         """
-        return self._roll(u, (self.count, len(self.inputs)), 1, h, out, (self.count, len(self.outputs)))
+        return self._roll(u, (), h, out)
 
     def rollout(self, u: ArrayLike, h: float, out: Array | None = None) -> Array:
         """Many steps of all instances, with a history of inputs for each. Errors are those of `step`.
@@ -225,27 +224,19 @@ class Fleet(ProcessBound):
         ...     fleet.rollout(torque, 1e-3)[:, -1].round(3).tolist()  # rad, rad/s
         [[1.206, 9.05], [0.7, -5.543]]
         """
-        steps = steps_of(u)
-        wanted = (self.count, steps, len(self.inputs))
-        return self._roll(u, wanted, steps, h, out, (self.count, steps, len(self.outputs)))
+        return self._roll(u, (steps_of(u),), h, out)
 
-    def _roll(
-        self,
-        u: ArrayLike,
-        shape: tuple[int, ...],
-        steps: int,
-        h: float,
-        out: Array | None,
-        wanted: tuple[int, ...],
-    ) -> Array:
+    def _roll(self, u: ArrayLike, steps: tuple[int, ...], h: float, out: Array | None) -> Array:
+        """Steps of all instances. `steps`: the shape of one column of inputs of one instance."""
+        shape = (self.count, *steps, len(self.inputs))
         inputs = np.ascontiguousarray(real_array(u, "u", FmuError, shape))
         is_step = type(h) is float and 0.0 < h < math.inf
         size = h if is_step else positive_number(h, "h", "a finite number > 0, in s")
+        wanted = (self.count, *steps, len(self.outputs))
         outputs = np.empty(wanted) if out is None else output_buffer(out, wanted)
+        buffers = pointer_to(inputs), math.prod(steps), size, pointer_to(outputs)
         try:
-            self._core.call(
-                "fleet_roll", self._ports_address, pointer_to(inputs), steps, size, pointer_to(outputs)
-            )
+            self._core.call("fleet_roll", self._ports_address, *buffers)
         except FleetError as error:
             error.outputs = outputs
             raise
@@ -369,11 +360,7 @@ class Fleet(ProcessBound):
         """
         if not isinstance(state, FleetState) or state._core is not self._core:
             raise FmuError(f"restore({state!r}): allowed is a FleetState from save of this fleet")
-        chosen = (
-            chosen_instances(instances, self.count)
-            if instances is not None
-            else state.instances.astype(np.uint8)
-        )
+        chosen = chosen_instances(state.instances if instances is None else instances, self.count)
         missing = np.flatnonzero(chosen.astype(bool) & ~state.instances)
         if missing.size:
             raise FmuError(f"the state of instance {missing[0]} was not saved: save had other instances")
@@ -390,9 +377,8 @@ class Fleet(ProcessBound):
     def _variable(self, name: str) -> Variable:
         variable = self._variables.get(name) if isinstance(name, str) else None
         if variable is None:
-            raise UnknownVariableError(
-                unknown_variable(str(name), list(self._variables), self.description.model_name)
-            )
+            text = unknown_variable(str(name), list(self._variables), self.description.model_name)
+            raise UnknownVariableError(text)
         return variable
 
     def _real_references(self, names: Iterable[str]) -> NDArray[np.uintc]:

@@ -62,9 +62,8 @@ def column_of(variable: Variable, value: FleetValue, count: int) -> NDArray[Any]
         )
     if variable.kind == "real":
         return given
-    return np.array(
-        [_numbered(variable, i, item) for i, item in enumerate(given.tolist())], dtype=_dtype(variable)
-    )
+    items = [_numbered(variable, i, item) for i, item in enumerate(given.tolist())]
+    return np.array(items, dtype=_dtype(variable))
 
 
 def _numbered(variable: Variable, instance: int, value: object) -> object:

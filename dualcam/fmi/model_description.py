@@ -35,23 +35,17 @@ class Variable:
 
     Attributes
     ----------
-    name : str
+    name, description : str
     value_reference : int
         The number by which FMI calls name the variable.
     type : str
-        Type as in the XML: "Real", "Integer", "Boolean", "String", "Enumeration" in FMI 2.0; "Float64",
-        "Int32" and so on in FMI 3.0.
-    causality, variability : str
-        FMI's words: "parameter", "input", "output", ...; "fixed", "tunable", "continuous", ...
-    initial : str or None
-        "exact", "approx", "calculated"; None for the independent variable.
+        As in the XML: "Real", "Integer" and so on in FMI 2.0; "Float64", "Int32" and so on in FMI 3.0.
+    causality, variability, initial : str
+        FMI's words, such as "parameter", "tunable", "exact"; `initial` is None for the independent variable.
     start : float, int, bool, str or None
         Start value by type. None without start value, and of arrays and binary variables.
-    min, max : float, int or None
-        Least and greatest allowed value, the declared type's where the variable itself has none.
-    unit : str or None
-        Unit, the declared type's where the variable itself has none.
-    description : str
+    min, max, unit : float, int, str or None
+        Limits of allowed values, and unit; those of the declared type where the variable itself has none.
     declared_type : str or None
         Name of the declared type.
     is_array : bool
