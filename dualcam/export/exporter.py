@@ -8,7 +8,7 @@ import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Protocol, runtime_checkable
+from typing import Protocol, runtime_checkable
 
 from dualcam.common.archive import read_members, write_archive
 from dualcam.common.paths import path_of
@@ -31,10 +31,7 @@ from dualcam.fmi.fmu import Fmu
 from dualcam.fmi.library import MODELS, fmu_path
 from dualcam.fmi.model_description import XML, Scalar
 from dualcam.fmi.variables import all_parameters, inputs_of, parameters_of, unused
-
-if TYPE_CHECKING:
-    from dualcam.scenario.scenario import Scenario
-
+from dualcam.scenario.scenario import Scenario
 
 SUFFIX = ".fmu"
 

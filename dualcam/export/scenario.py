@@ -6,13 +6,10 @@ import json
 import math
 from collections.abc import Mapping, Sequence
 from html import escape
-from typing import TYPE_CHECKING
 
 from dualcam.export.description import Scalar, number_text
 from dualcam.fmi.variables import inputs_of
-
-if TYPE_CHECKING:
-    from dualcam.scenario.scenario import Scenario, Step
+from dualcam.scenario.scenario import Scenario, Step
 
 FILE = "extra/scenario_in.csv"
 SAMPLES = 1000  # rows of an input that is no straight line

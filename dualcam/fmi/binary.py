@@ -12,13 +12,10 @@ import sys
 import tempfile
 import zipfile
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 from dualcam.errors import FmuError
 from dualcam.fmi.model_description import Interface, ModelDescription
-
-if TYPE_CHECKING:
-    from dualcam.fmi.model_description import ModelDescription
 
 SEARCH_LIBRARY_FOLDER = 0x8  # LOAD_WITH_ALTERED_SEARCH_PATH: libraries beside the FMU's are found (Windows)
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from html import escape
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from dualcam.common.html_page import figure_element, table
-from dualcam.design import Limits
+from dualcam.design import Limits, Mechanism, Pin, WearLife
+from dualcam.design_file import DesignFile
 from dualcam.design_file.durability import (
     largest_contact,
     roller_numbers,
@@ -21,10 +21,6 @@ from dualcam.errors import DesignError
 from dualcam.plots.design import plot_contact, plot_goodman, plot_wear
 from dualcam.report.inputs import Row
 from dualcam.report.summary import largest_loads, material_words, pressure_words
-
-if TYPE_CHECKING:
-    from dualcam.design import Mechanism, Pin, WearLife
-    from dualcam.design_file import DesignFile
 
 
 def durability_sections(design: DesignFile, mechanism: Mechanism) -> list[str]:

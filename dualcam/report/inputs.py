@@ -5,16 +5,13 @@ from __future__ import annotations
 import math
 from dataclasses import fields
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+from dualcam.design import HelicalSpring, Limits, Pin, Roller
+from dualcam.design_file import DesignFile
 from dualcam.design_file.friction_tables import ANALYTIC_FRICTION
 from dualcam.fmi.model_description import Scalar
 from dualcam.fmi.variables import SettableVariable, all_inputs, parameters_of
-
-if TYPE_CHECKING:
-    from dualcam.design import HelicalSpring, Limits, Pin, Roller
-    from dualcam.design_file import DesignFile
-    from dualcam.scenario.scenario import History, Scenario
+from dualcam.scenario.scenario import History, Scenario
 
 Row = tuple[str, ...]
 

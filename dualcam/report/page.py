@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,9 +14,9 @@ import dualcam
 from dualcam.checking import Verdict, check_design
 from dualcam.common.html_page import figure_element, page, table
 from dualcam.common.paths import page_path_of, write_text
-from dualcam.design import TorqueBand, torque_band
+from dualcam.design import Mechanism, TorqueBand, torque_band
 from dualcam.design.torque_band import NOT_LOCKING, span
-from dualcam.design_file import as_design
+from dualcam.design_file import DesignFile, DesignSource, as_design
 from dualcam.errors import DualcamError
 from dualcam.plots.design import plot_band, plot_simulation, plot_strength
 from dualcam.report.durability import durability_sections
@@ -31,10 +30,6 @@ from dualcam.report.summary import (
     span_words,
 )
 from dualcam.simulation.run import ENERGIES, Trajectory, simulate
-
-if TYPE_CHECKING:
-    from dualcam.design import Mechanism
-    from dualcam.design_file import DesignFile, DesignSource
 
 F_EXT = "F_ext is an external axial force on the follower, positive against loading."
 LABELS = {

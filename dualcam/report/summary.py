@@ -4,18 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
+from dualcam.design import Mechanism
 from dualcam.design.hertz import Pin
 from dualcam.design.strength import strength
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from dualcam.design import Mechanism
-    from dualcam.simulation.run import Trajectory
+from dualcam.simulation.run import Trajectory
 
 POINTS = 721  # angles at which the largest values are searched
 SAME = 1e-9  # loads of both cams with a smaller relative difference count as equal

@@ -14,15 +14,12 @@ import xml.etree.ElementTree as ET
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from dualcam.common.archive import write_archive
 from dualcam.common.paths import path_of, whole_file
+from dualcam.design_file import DesignFile, DesignSource
 from dualcam.errors import DesignError
 from dualcam.ssp.system_structure import Component, SystemStructure, Value, check_system
-
-if TYPE_CHECKING:
-    from dualcam.design_file import DesignFile, DesignSource
 
 START = "start"
 NAMES = {

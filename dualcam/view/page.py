@@ -9,21 +9,18 @@ from collections.abc import Mapping
 from html import escape
 from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import dualcam
 from dualcam.common.paths import page_path_of, write_text
 from dualcam.common.unit_guards import units_checked_before
-from dualcam.design_file import as_design
+from dualcam.design_file import DesignFile, DesignSource, as_design
 from dualcam.errors import ExportError
 from dualcam.export.exporter import table_file
 from dualcam.export.scenario import scenario_for, scenario_table
 from dualcam.fmi.fmu import Fmu
 from dualcam.fmi.library import MODELS, fmu_path, web_path
 from dualcam.fmi.model_description import Scalar, read_model_description
-
-if TYPE_CHECKING:
-    from dualcam.design_file import DesignFile, DesignSource
 
 FOLDER = Path(__file__).resolve().parent
 MODEL = "forward"
