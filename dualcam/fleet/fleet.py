@@ -78,10 +78,6 @@ class Fleet(ProcessBound):
     FmuError
         Another argument is wrong, or the FMU is not of FMI 2.0 or has no co-simulation.
 
-    See Also
-    --------
-    dualcam.Fmu : One instance, of FMI 2.0 or FMI 3.0.
-
     Examples
     --------
     >>> import numpy as np

@@ -86,18 +86,6 @@ class Fmi2Instance(Instance):
         step.argtypes = (c_void_p, c_double, c_double, c_int)  # type: ignore[attr-defined]
         return self.function(self.GET_REAL), self.function(self.SET_REAL), step
 
-    def initialization_calls(
-        self, tolerance: float | None, time: float = 0.0
-    ) -> list[tuple[str, tuple[object, ...]]]:
-        setup = (
-            c_int(tolerance is not None),
-            c_double(tolerance or 0.0),
-            c_double(time),
-            c_int(0),
-            c_double(0.0),
-        )
-        return [("fmi2SetupExperiment", setup), ("fmi2EnterInitializationMode", ())]
-
     def input_derivatives_call(
         self, references: References, orders: Sequence[int], values: Reals
     ) -> partial[int]:

@@ -82,18 +82,6 @@ class Fmi3Instance(Instance):
         step_unless_ended.__name__ = self.DO_STEP
         return step_unless_ended
 
-    def initialization_calls(
-        self, tolerance: float | None, time: float = 0.0
-    ) -> list[tuple[str, tuple[object, ...]]]:
-        arguments = (
-            c_bool(tolerance is not None),
-            c_double(tolerance or 0.0),
-            c_double(time),
-            c_bool(False),
-            c_double(0.0),
-        )
-        return [("fmi3EnterInitializationMode", arguments)]
-
     def input_derivatives_call(
         self, references: References, orders: Sequence[int], values: Reals
     ) -> partial[int]:

@@ -50,11 +50,6 @@ class Fmu(Handle):
         raise it for a wrong argument, where the FMU refuses, before a run has begun and after `close`; the
         UnknownVariableError among them names near variables.
 
-    See Also
-    --------
-    ContinuousFmu : The same for model exchange.
-    dualcam.fmu_path : The paths behind the names.
-
     Examples
     --------
     >>> from dualcam import Fmu

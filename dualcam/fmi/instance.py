@@ -173,11 +173,14 @@ class Instance(ABC):
         for library in (self.brief, self.library):
             unload(library._handle)
 
-    @abstractmethod
     def initialization_calls(
         self, tolerance: float | None, time: float = 0.0
     ) -> list[tuple[str, tuple[object, ...]]]:
         """Names and arguments of the calls that enter initialization mode at `time` [s]."""
+        truth, enter = self.CTYPES["Boolean"], self.named("EnterInitializationMode")
+        given = truth(tolerance is not None), c_double(tolerance or 0.0)
+        setup = (*given, c_double(time), truth(False), c_double(0.0))  # without a stop time
+        return [(enter, setup)] if self.VERSION == 3 else [("fmi2SetupExperiment", setup), (enter, ())]
 
     def sized(self, values: object, count: c_size_t) -> tuple[object, ...]:
         """`values` as arguments: FMI 3.0 wants their number again."""

@@ -18,11 +18,5 @@ from dualcam.plots.design import (
 )
 
 __all__ = [
-    "plot_band",
-    "plot_contact",
-    "plot_goodman",
-    "plot_simulation",
-    "plot_strength",
-    "plot_wear",
-    "save",
-]
+    "plot_band", "plot_contact", "plot_goodman", "plot_simulation", "plot_strength", "plot_wear", "save",
+]  # fmt: skip

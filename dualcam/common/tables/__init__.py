@@ -24,19 +24,7 @@ from dualcam.common.tables.units import (
 )
 
 __all__ = [
-    "ANGLE_NAMES",
-    "FRICTION_HEADERS",
-    "GROOVE_HEADER",
-    "TORQUE_NAMES",
-    "UNITS",
-    "ColumnKind",
-    "Converter",
-    "HumanTable",
-    "TableError",
-    "TableKind",
-    "fmu_text",
-    "in_unit",
-    "is_fmu_text",
-    "read_columns",
+    "ANGLE_NAMES", "FRICTION_HEADERS", "GROOVE_HEADER", "TORQUE_NAMES", "UNITS", "ColumnKind", "Converter",
+    "HumanTable", "TableError", "TableKind", "fmu_text", "in_unit", "is_fmu_text", "read_columns",
     "read_table",
-]
+]  # fmt: skip
