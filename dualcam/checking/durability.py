@@ -224,9 +224,8 @@ def _wear(design: DesignFile, mechanism: Mechanism) -> list[Trouble]:
     except DesignError:  # undercut and level grooves have findings of their own
         return []
     if found is None:
-        needed = (
-            "[pin] and cam1.wear, cam2.wear or pin.wear" if design.pin is None else "cam1.wear, cam2.wear"
-        )
+        rates = "cam1.wear, cam2.wear"
+        needed = rates if design.pin else f"[pin] and {rates} or pin.wear"
         text = f"limits.cycles = {limits.cycles:g} is not checked: give {needed}, the specific wear rates"
         return [trouble(design, "wear unknown", "limits.cycles", text, WARNING)]
     life = wear_life(design, found)

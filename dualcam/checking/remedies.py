@@ -36,11 +36,9 @@ class Kinds(NamedTuple):
 class RemedySearch:
     """Searches values for the findings of one design. A value that was tried once is not tried again."""
 
-    def __init__(
-        self, design: DesignFile, found: list[Trouble], refusal: Callable[[DesignFile], str]
-    ) -> None:
+    def __init__(self, design: DesignFile, found: list[Trouble], reason: Callable[[DesignFile], str]) -> None:
         self.design = design
-        self.refusal = refusal  # the FMU's message if it does not start with a design
+        self.refusal = reason  # the FMU's message if it does not start with a design
         self.errors = frozenset(one.finding.kind for one in found if one.finding.severity == ERROR)
         self._tried: dict[tuple[str, float], Kinds | None] = {}
 

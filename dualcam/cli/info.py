@@ -28,9 +28,7 @@ GROUPS = {
     epilog=example("dualcam info", "dualcam info inverse", "dualcam info MyCam.fmu --variables spring --json")
 )
 @click.argument("fmu", default="forward", metavar="[FMU]")
-@click.option(
-    "--fmi", type=click.Choice(["2", "3"]), help="Version of FMI of forward and inverse. Default: 2."
-)
+@click.option("--fmi", type=click.Choice(["2", "3"]), help="FMI version of forward and inverse. Default: 2.")
 @click.option("--variables", default="", metavar="TEXT", help="Only variables whose name contains this text.")
 @click.option("--all", "shows_all", is_flag=True, help="All variables, with their descriptions.")
 @as_json
@@ -101,9 +99,8 @@ def _listed(description: ModelDescription, text: str) -> list[Variable]:
         names = [variable.name for variable in description.variables]
         near = difflib.get_close_matches(text, names, n=3, cutoff=0.5)
         guess = f": did you mean {', '.join(near)}?" if near else "; leave out --variables to see all"
-        raise UnknownVariableError(
-            f"{description.model_name} has no variable with {text!r} in its name{guess}"
-        )
+        text = f"{description.model_name} has no variable with {text!r} in its name{guess}"
+        raise UnknownVariableError(text)
     return listed
 
 

@@ -32,9 +32,7 @@ SHOWN_FROM = 200_000  # samples from which a bar shows the progress
 @click.option(
     "--variables", default="", metavar="A,B,...", help="Variables to record. Default: the important ones."
 )
-@click.option(
-    "--fmu", type=FILE, help="Another FMU, such as an exported one. Default: the FMU of this package."
-)
+@click.option("--fmu", type=FILE, help="Another FMU, such as an exported one. Default: that of this package.")
 @anyway
 @as_json
 def command(
@@ -101,9 +99,8 @@ def _check_plot(path: Path, names: list[str]) -> None:
     check_picture(path)
     missing = [name for name in ("theta", "tau") if names and name not in names]
     if missing:
-        raise DualcamError(
-            f"--plot needs the variables theta and tau: add {', '.join(missing)} to --variables"
-        )
+        text = f"--plot needs the variables theta and tau: add {', '.join(missing)} to --variables"
+        raise DualcamError(text)
 
 
 def _draw(design: DesignFile, trajectory: Trajectory, path: Path) -> None:

@@ -50,9 +50,8 @@ def quantity(text: str, unit: str) -> float:
         if unit in ("1", ""):
             raise DesignError(f"a number in quotes: write {match[1]} without quotes")
         usual = EXAMPLES.get(unit, f"1 {unit}").partition(" ")[2]
-        raise DesignError(
-            f'no unit in the quotes: write "{match[1]} {usual}", or {match[1]} without quotes in {unit}'
-        )
+        text = f'no unit in the quotes: write "{match[1]} {usual}", or {match[1]} without quotes in {unit}'
+        raise DesignError(text)
     return _converted(number, written, unit, example)
 
 
@@ -97,9 +96,8 @@ def si_number(text: str) -> float:
         base = _registry().Quantity(Decimal(match[1]), _parsed(match[2])).to_base_units()
         return float(base.magnitude)
     except Exception:  # pint has many
-        raise DesignError(
-            f"unit {match[2]!r} is not known: allowed are units such as mm, N/mm, deg"
-        ) from None
+        text = f"unit {match[2]!r} is not known: allowed are units such as mm, N/mm, deg"
+        raise DesignError(text) from None
 
 
 def unit_words(unit: str) -> str:

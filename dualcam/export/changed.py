@@ -16,6 +16,7 @@ from dualcam.export.scenario import FILE as SCENARIO_FILE
 from dualcam.export.start_block import MARK, replace_start_values
 from dualcam.fmi.model_description import XML, Scalar
 
+Members = Mapping[str, bytes]  # of an FMU: name in the archive -> content
 PAGE, BINARIES, RESOURCES, SOURCES = "documentation/index.html", "binaries/", "resources/", "sources/"
 VARIABLES = f"{SOURCES}variables.def"
 NAMED = (f"{SOURCES}identity.h", f"{SOURCES}buildDescription.xml")  # these files name the model
@@ -43,12 +44,12 @@ class Change(NamedTuple):
     tables: Mapping[str, bytes]  # file name in the FMU's resources -> content
 
 
-def is_own(members: Mapping[str, bytes]) -> bool:
+def is_own(members: Members) -> bool:
     """Whether the FMU is of this project: its binaries hold the block of start values."""
     return any(name.startswith(BINARIES) and MARK in content for name, content in members.items())
 
 
-def restarted(members: Mapping[str, bytes], values: Mapping[str, float]) -> Mapping[str, bytes]:
+def restarted(members: Members, values: Mapping[str, float]) -> Members:
     """An FMU of this project that starts from other values, without pages and results of the former ones."""
     description = Description(members[XML])
     start = {name: typed(description.variables[name], value) for name, value in values.items()}
@@ -57,7 +58,7 @@ def restarted(members: Mapping[str, bytes], values: Mapping[str, float]) -> Mapp
     return changed_members(members, Change(description.identifier, {}, start, {}))
 
 
-def changed_members(before: Mapping[str, bytes], change: Change) -> dict[str, bytes]:
+def changed_members(before: Members, change: Change) -> dict[str, bytes]:
     """All members but those that a run from the new start values would give."""
     description = Description(before[XML])
     token = TOKEN[description.fmi]
@@ -80,9 +81,7 @@ def _guid(description: bytes, tables: Mapping[str, bytes]) -> str:
     return f"{{{h[:8]}-{h[8:12]}-{h[12:16]}-{h[16:20]}-{h[20:32]}}}"
 
 
-def _binaries(
-    change: Change, before: Mapping[str, bytes], description: Description, guid: str
-) -> dict[str, bytes]:
+def _binaries(change: Change, before: Members, description: Description, guid: str) -> dict[str, bytes]:
     """The binaries for all platforms, under the new name."""
     references = {name: description.variables[name].reference for name in change.start}
     texts = {references[n]: value for n, value in change.start.items() if isinstance(value, str)}
@@ -100,7 +99,7 @@ def _binaries(
 
 
 def exported_sources(
-    members: Mapping[str, bytes], names: Mapping[str, str], start: Mapping[str, Scalar]
+    members: Members, names: Mapping[str, str], start: Mapping[str, Scalar]
 ) -> dict[str, bytes]:
     """The members below sources/ with other names and start values."""
     found = {name: content for name, content in members.items() if name.startswith(SOURCES)}
@@ -132,7 +131,7 @@ def _literal(value: Scalar) -> str:
     return str(int(value)) if isinstance(value, bool) else repr(value)
 
 
-def exported_related_files(before: Mapping[str, bytes], identifier: str, exported: str) -> dict[str, bytes]:
+def exported_related_files(before: Members, identifier: str, exported: str) -> dict[str, bytes]:
     """The members of the exported FMU, by name in the archive, from those of the original FMU."""
     if MANIFEST not in before:
         return {}

@@ -195,9 +195,8 @@ def _table(name: str, path: str) -> bytes:
     try:
         return Path(path).read_bytes()
     except OSError as error:
-        raise ExportError(
-            f"{name} = {path!r}: the file cannot be read ({error.strerror or error})"
-        ) from error
+        text = f"{name} = {path!r}: the file cannot be read ({error.strerror or error})"
+        raise ExportError(text) from error
 
 
 def _reference(plan: ExportPlan, curves: SlowMotionCurves, trial: Path) -> Reference:
@@ -247,21 +246,18 @@ def target_path(path: str | Path) -> Path:
     """The absolute path of the FMU to be written. ExportError for a bad ending, sign or folder."""
     target = path_of(path, "the FMU").expanduser().absolute()
     if target.suffix.lower() != SUFFIX or not target.stem.isprintable():
-        raise ExportError(
-            f"{str(path)!r}: allowed is a file name that ends in {SUFFIX}, such as MyCam{SUFFIX}"
-        )
+        text = f"{str(path)!r}: allowed is a file name that ends in {SUFFIX}, such as MyCam{SUFFIX}"
+        raise ExportError(text)
     try:
         is_folder, has_folder = target.is_dir(), target.parent.is_dir()
     except OSError as error:  # as a name that is too long
         raise ExportError(f"{target} cannot be written: {error.strerror}") from error
     if is_folder:
-        raise ExportError(
-            f"{target} is a folder: allowed is the name of a file; remove the folder or choose another"
-        )
+        text = f"{target} is a folder: allowed is the name of a file; remove the folder or choose another"
+        raise ExportError(text)
     if not has_folder:
-        raise ExportError(
-            f"the folder {target.parent} does not exist: create it first, or choose another folder"
-        )
+        text = f"the folder {target.parent} does not exist: create it first, or choose another folder"
+        raise ExportError(text)
     return target
 
 

@@ -64,9 +64,8 @@ def _hash_pages(part: bytearray, directory: int) -> None:
     hashes, _, _, count, limit = struct.unpack_from(">IIIII", part, directory + 16)
     size, kind, _, page_bits = struct.unpack_from(">BBBB", part, directory + 36)
     if kind != SHA256:
-        raise ExportError(
-            f"the signature of the binary for macOS has hashes of type {kind}: allowed is {SHA256}"
-        )
+        text = f"the signature of the binary for macOS has hashes of type {kind}: allowed is {SHA256}"
+        raise ExportError(text)
     page = 1 << page_bits
     for i in range(count):
         content = part[i * page : min((i + 1) * page, limit)]

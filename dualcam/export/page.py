@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 FIGURES = """\
 <div class="figures" id="figures">
-{figures}</div>"""
+{}</div>"""
 REFERENCE = """\
 <p id="reference"><b>Reference result.</b> <code>extra/reference</code> holds inputs and the result of this
 FMU itself, and a README.txt that says how to compare. <b>Licence:</b> BSD-2-Clause,
@@ -57,9 +57,7 @@ def exported_page(
     page = _replaced(page, r"(<h1>).*?(</h1>)", heading)
     page = page.replace(escape(old), escape(names["description"]), 1)
     page = page.replace(f"-o {original.identifier}.so", f"-o {names['identifier']}.so")
-    page = _replaced(
-        page, r'()<div class="figures" id="figures">.*?</div>()', FIGURES.format(figures=figures)
-    )
+    page = _replaced(page, r'()<div class="figures" id="figures">.*?</div>()', FIGURES.format(figures))
     page = _replaced(page, r'()<p id="reference">.*?</p>()', f"{scenario}\n{REFERENCE}".lstrip())
     for name, value in start.items():
         cell = rf'(<tr><td><code>{re.escape(name)}</code></td><td>[^<]*</td><td class="number">)[^<]*(</td>)'

@@ -60,9 +60,7 @@ def scenario_table(scenario: Scenario, model: str, start: Mapping[str, Scalar]) 
 def _without_rounding(rows: list[list[float]]) -> list[list[float]]:
     """The rows with 0 for numbers that are rounding: a speed of 1e-16 would have a direction of motion."""
     sizes = [max(map(abs, column)) for column in zip(*rows, strict=True)]
-    return [
-        [x if abs(x) > ROUNDING * size else 0.0 for x, size in zip(row, sizes, strict=True)] for row in rows
-    ]
+    return [[x if abs(x) > ROUNDING * s else 0.0 for x, s in zip(row, sizes, strict=True)] for row in rows]
 
 
 def _steps(scenario: Scenario) -> Sequence[Step]:

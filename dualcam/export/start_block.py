@@ -86,9 +86,7 @@ def _block(part: bytes | bytearray) -> StartValues:
     numbers = struct.unpack_from(f"<{number_count}d", part, at + HEAD.size)
     first_text = at + HEAD.size + 8 * number_count
     places = range(first_text, first_text + text_count * text_size, text_size)
-    texts = tuple(
-        bytes(part[place : place + text_size]).split(b"\0")[0].decode(errors="replace") for place in places
-    )
+    texts = tuple(bytes(part[p : p + text_size]).split(b"\0")[0].decode(errors="replace") for p in places)
     return StartValues(at, text_size, numbers, texts)
 
 

@@ -94,9 +94,8 @@ def chosen_instances(instances: ArrayLike | None, count: int) -> NDArray[np.uint
         return chosen
     is_list = given.dtype.kind in "iu" and given.ndim == 1
     if not is_list or not 0 <= given.min() <= given.max() < count:
-        raise FmuError(
-            f"instances = {instances!r}: allowed are numbers from 0 to {count - 1}, or {count} booleans"
-        )
+        text = f"instances = {instances!r}: allowed are numbers from 0 to {count - 1}, or {count} booleans"
+        raise FmuError(text)
     chosen[given] = 1
     return chosen
 

@@ -212,9 +212,8 @@ class Instance(ABC):
         """Set a variable to a value of its kind."""
         content = self.CTYPES[_scalar(variable).type](value.encode() if isinstance(value, str) else value)
         if variable.kind == "integer" and content.value != value:  # C has no such number of this type
-            raise FmuError(
-                f"{variable.name} = {value}: allowed are whole numbers of the type {variable.type}"
-            )
+            text = f"{variable.name} = {value}: allowed are whole numbers of the type {variable.type}"
+            raise FmuError(text)
         self._access("Set", variable, content)
 
     def _access(self, action: Literal["Get", "Set"], variable: Variable, content: object) -> None:

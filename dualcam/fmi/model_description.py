@@ -204,16 +204,12 @@ def _parsed(root: ElementTree.Element, version: str) -> ModelDescription:
     read = _read_2 if version == "2.0" else _read_3
     token = "guid" if version == "2.0" else "instantiationToken"
     types = _declared_types(root)
-    listed = root.find("ModelVariables")
-    variables = tuple(
-        variable for element in (listed if listed is not None else ()) for variable in read(element, types)
-    )
+    variables = tuple(one for element in root.iterfind("ModelVariables/*") for one in read(element, types))
     for name in repeated(variable.name for variable in variables):
         raise FmuError(f"variable {name} is there twice")
     uses = {use: _interface(root.find(use)) for use in ("CoSimulation", "ModelExchange")}
-    states = root.findall(
-        f"ModelStructure/{'Derivatives/Unknown' if version == '2.0' else 'ContinuousStateDerivative'}"
-    )
+    rates = "Derivatives/Unknown" if version == "2.0" else "ContinuousStateDerivative"
+    states = root.findall(f"ModelStructure/{rates}")
     indicators = len(root.findall("ModelStructure/EventIndicator"))  # of FMI 3.0
     return ModelDescription(
         fmi_version=version,
@@ -262,9 +258,8 @@ Attributes = dict[str, str]
 
 def _declared_types(root: ElementTree.Element) -> dict[str, Attributes]:
     """Attributes of each declared type by its name. FMI 2.0 has them in a child, FMI 3.0 in the element."""
-    listed = root.find("TypeDefinitions")
     found = {}
-    for element in listed if listed is not None else ():
+    for element in root.iterfind("TypeDefinitions/*"):
         inner = element[0] if element.tag == "SimpleType" and len(element) else element
         found[element.attrib["name"]] = dict(inner.attrib)
     return found

@@ -44,9 +44,8 @@ class LargestLoads:
 def largest_loads(mechanism: Mechanism, pin: Pin | None) -> LargestLoads:
     """Largest reaction of one contact and, with a pin, largest contact pressure (Hertz, line contact)."""
     found = strength(mechanism, pin, mechanism.angles(POINTS))
-    return LargestLoads(
-        _largest(found.load, found.theta), _largest(found.pressure, found.theta) if pin else None
-    )
+    pressure = _largest(found.pressure, found.theta) if pin else None
+    return LargestLoads(_largest(found.load, found.theta), pressure)
 
 
 def _largest(values: NDArray[np.float64], theta: NDArray[np.float64]) -> Largest:

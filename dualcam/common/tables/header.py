@@ -63,9 +63,8 @@ def find_header(lines: Lines, comments: Lines, kind: TableKind, separator: str |
     if words is None:
         if not kind.needs_header:
             return Header(lines[0], list(kind.quantities), separator or ",", 0)
-        raise TableError(
-            f"there is no header, so the units are not known: add a first line such as {kind.example}"
-        )
+        text = f"there is no header, so the units are not known: add a first line such as {kind.example}"
+        raise TableError(text)
     columns_of(words, kind)
     raise TableError(f"line {words.line.number}: there are rows above the header: write one table in a file")
 

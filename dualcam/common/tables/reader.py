@@ -36,6 +36,8 @@ from dualcam.common.unit_guards import unit_warning
 from dualcam.errors import UnitWarning
 
 NAME_AND_UNIT = re.compile(r"(\S.*?)\s+[\[(]\s*([^\])]+?)\s*[\])]")  # der(x) and x[1] have no unit
+Columns = Mapping[str, Column]
+NamedColumns = dict[str, Array | list[str]]
 Converter = Callable[[str, str, Array], Array]  # name, unit, values in the unit -> values
 
 
@@ -99,7 +101,7 @@ def _understood(
 
 def read_columns(
     path: Path, what: str, texts: Collection[str] = (), converted: Converter | None = None
-) -> dict[str, Array | list[str]]:
+) -> NamedColumns:
     """All columns of a table in a file, by the names in its header; those in `texts` hold texts.
 
     `converted` takes name, unit and values of a column with a unit. TableError with line and column."""
@@ -110,9 +112,7 @@ def read_columns(
         raise TableError(f"{path}: {error}") from None
 
 
-def _named_columns(
-    text: str, texts: Collection[str], converted: Converter | None
-) -> dict[str, Array | list[str]]:
+def _named_columns(text: str, texts: Collection[str], converted: Converter | None) -> NamedColumns:
     lines, comments, separator = _lines(text, None, "spring.preload,cam1.friction")
     header = words_above_numbers(lines, comments, separator)
     if header is None:
@@ -125,7 +125,7 @@ def _named_columns(
     places = [place for place, name in enumerate(names) if name not in texts]
     cells, sign = _cells(rows, header, places, separator, None)
     numbers, _ = _numbers(rows, header, cells, places, sign, None)
-    found: dict[str, Array | list[str]] = {}
+    found: NamedColumns = {}
     for place, (name, match) in enumerate(zip(names, matches, strict=True)):
         if name in texts:
             found[name] = [cell.strip() for cell in cells[place :: len(names)]]
@@ -181,9 +181,7 @@ def _check_count(count: int, kind: TableKind) -> None:
         raise TableError(f"{count:,} {lines} of numbers: allowed are {allowed}")
 
 
-def _check_order(
-    rows: Lines, values: Mapping[str, Array], columns: Mapping[str, Column], kind: TableKind
-) -> None:
+def _check_order(rows: Lines, values: Mapping[str, Array], columns: Columns, kind: TableKind) -> None:
     for name, column in values.items():
         order = kind.quantities[name].order
         steps = np.diff(column)
@@ -211,9 +209,7 @@ def _notes(lines: Lines, header: Header, guessed: str | None, comma: bool) -> tu
     return tuple(notes)
 
 
-def _unit_warnings(
-    values: Mapping[str, Array], columns: Mapping[str, Column], kind: TableKind
-) -> Sequence[str]:
+def _unit_warnings(values: Mapping[str, Array], columns: Columns, kind: TableKind) -> Sequence[str]:
     """Warnings of columns in SI units with values that look as if they were in another unit."""
     found = []
     for name, column in values.items():
@@ -223,9 +219,7 @@ def _unit_warnings(
     return [text for text in found if text]
 
 
-def _thousands(
-    cells: Sequence[str], header: Header, places: Mapping[str, int], separator: str
-) -> Sequence[str]:
+def _thousands(cells: Sequence[str], header: Header, places: Mapping[str, int], separator: str) -> list[str]:
     """A warning where all points may separate thousands."""
     columns = (cells[place :: len(header.heads)] for place in places.values())
     number = likely_thousand(columns, separator)
