@@ -93,9 +93,8 @@ def command(
             " grooves of the design file"
         )
     if (output is None) != (torque is None) and not (torque and exported.files):
-        raise click.UsageError(
-            "-o is the table of a groove for a wanted torque: give --torque and --output together"
-        )
+        text = "-o is the table of a groove for a wanted torque: give --torque and --output together"
+        raise click.UsageError(text)
     if output is not None:
         refuse_to_overwrite(output, force)
     exported.prepare(force)

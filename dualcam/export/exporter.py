@@ -15,7 +15,7 @@ from dualcam.common.paths import path_of
 from dualcam.common.unit_guards import units_checked_before
 from dualcam.design_file import as_design
 from dualcam.errors import DualcamWarning, ExportError
-from dualcam.export.changed import PAGE, Change, changed_members, exported_related_files
+from dualcam.export.changed import PAGE, Change, Members, changed_members, exported_related_files
 from dualcam.export.description import Description, typed
 from dualcam.export.page import exported_page, figures
 from dualcam.export.reference import (
@@ -207,9 +207,7 @@ def _reference(plan: ExportPlan, curves: SlowMotionCurves, trial: Path) -> Refer
         return reference_result(fmu, plan.model, curves)
 
 
-def _members(
-    plan: ExportPlan, original: Path, curves: SlowMotionCurves, reference: Reference
-) -> dict[str, bytes]:
+def _members(plan: ExportPlan, original: Path, curves: SlowMotionCurves, reference: Reference) -> Members:
     """All members of the exported FMU."""
     before = read_members(original)
     members, names = _core_members(plan, before)

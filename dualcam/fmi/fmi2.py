@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import ctypes
 import sys
-from collections.abc import Sequence
 from ctypes import CFUNCTYPE, byref, c_char_p, c_double, c_int, c_size_t, c_void_p
 from functools import partial
 from typing import Any, ClassVar
 
 from dualcam.errors import FmuError
 from dualcam.fmi.binary import Use
-from dualcam.fmi.instance import Function, Instance, Reals, References
+from dualcam.fmi.instance import Function, Instance, Orders, Reals, References
 from dualcam.fmi.model_description import ModelDescription
 
 LOGGER = CFUNCTYPE(None, c_void_p, c_char_p, c_int, c_char_p, c_char_p)
@@ -86,9 +85,7 @@ class Fmi2Instance(Instance):
         step.argtypes = (c_void_p, c_double, c_double, c_int)  # type: ignore[attr-defined]
         return self.function(self.GET_REAL), self.function(self.SET_REAL), step
 
-    def input_derivatives_call(
-        self, references: References, orders: Sequence[int], values: Reals
-    ) -> partial[int]:
+    def input_derivatives_call(self, references: References, orders: Orders, values: Reals) -> partial[int]:
         function = self.brief_function("fmi2SetRealInputDerivatives")
         count = len(references)
         return partial(

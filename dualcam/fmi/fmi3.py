@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import ctypes
 import os
-from collections.abc import Sequence
 from ctypes import CFUNCTYPE, byref, c_bool, c_char_p, c_double, c_int, c_int32, c_size_t, c_void_p
 from functools import partial
 from typing import Any, ClassVar
 
 from dualcam.errors import FmuError
 from dualcam.fmi.binary import Use
-from dualcam.fmi.instance import Function, Instance, Reals, References
+from dualcam.fmi.instance import Function, Instance, Orders, Reals, References
 from dualcam.fmi.model_description import ModelDescription
 
 LOGGER = CFUNCTYPE(None, c_void_p, c_int, c_char_p, c_char_p)
@@ -82,9 +81,7 @@ class Fmi3Instance(Instance):
         step_unless_ended.__name__ = self.DO_STEP
         return step_unless_ended
 
-    def input_derivatives_call(
-        self, references: References, orders: Sequence[int], values: Reals
-    ) -> partial[int]:
+    def input_derivatives_call(self, references: References, orders: Orders, values: Reals) -> partial[int]:
         raise FmuError(
             "FMI 3.0 has no derivatives of inputs: allowed are values that are constant over a step; take the"
             " FMI 2.0 FMU, or shorter steps"

@@ -29,6 +29,7 @@ from dualcam.fmi.reals import Reals
 INSTANCES: dict[int, type[Instance]] = {2: Fmi2Instance, 3: Fmi3Instance}
 DOUBLES = ("Real", "Float64")  # types of variables that a group can hold
 OWN_NAMES = {"cam1.lead_angle", "cam2.lead_angle", "spring.stiffness"}  # only the dual cam's FMUs have all
+Names = Sequence[str]
 NAMES_LISTED = 12  # most names in a message about an unknown variable
 
 
@@ -229,7 +230,7 @@ class Handle(ProcessBound):
         variable = self.variable(name)
         self._instance.set(variable, suitable_value(variable, value))
 
-    def jacobian(self, unknowns: Sequence[str], knowns: Sequence[str]) -> Array:
+    def jacobian(self, unknowns: Names, knowns: Names) -> Array:
         """Partial derivatives at the present point. FmuError where the FMU has no such derivative.
 
         Parameters
@@ -256,9 +257,7 @@ class Handle(ProcessBound):
         columns = [self.directional_derivative(unknowns, [known], [1.0]) for known in knowns]
         return np.reshape(columns, (len(knowns), len(unknowns))).T
 
-    def directional_derivative(
-        self, unknowns: Sequence[str], knowns: Sequence[str], seed: ArrayLike
-    ) -> Array:
+    def directional_derivative(self, unknowns: Names, knowns: Names, seed: ArrayLike) -> Array:
         """Product of the partial derivatives with a direction: jacobian(unknowns, knowns) @ seed.
 
         Parameters
@@ -282,7 +281,7 @@ class Handle(ProcessBound):
         self._instance.directional_derivative(rows, columns, direction, product)
         return np.array(product)
 
-    def _references(self, names: Sequence[str]) -> References:
+    def _references(self, names: Names) -> References:
         variables = [self.variable(name, "real") for name in names]
         for variable in variables:
             if variable.type not in DOUBLES or variable.is_array:
@@ -320,7 +319,7 @@ class Handle(ProcessBound):
         self._time = state._time
 
 
-def names_of(names: Sequence[str], argument: str) -> list[str]:
+def names_of(names: Names, argument: str) -> list[str]:
     """`names` as a list. FmuError for one text, for what is no sequence, and for a name that stands twice."""
     if isinstance(names, str) or not isinstance(names, Iterable):
         raise FmuError(f"{argument} = {names!r}: allowed is a list of names of variables")

@@ -29,6 +29,8 @@ CLOSED = "this FMU is closed: open a new one"
 References = ctypes.Array[c_uint]
 Reals = ctypes.Array[c_double]
 Function = Callable[..., int]
+Orders = Sequence[int]
+Calls = list[tuple[str, tuple[object, ...]]]  # names and arguments of FMI functions
 
 
 class Instance(ABC):
@@ -173,10 +175,8 @@ class Instance(ABC):
         for library in (self.brief, self.library):
             unload(library._handle)
 
-    def initialization_calls(
-        self, tolerance: float | None, time: float = 0.0
-    ) -> list[tuple[str, tuple[object, ...]]]:
-        """Names and arguments of the calls that enter initialization mode at `time` [s]."""
+    def initialization_calls(self, tolerance: float | None, time: float = 0.0) -> Calls:
+        """The calls that enter initialization mode at `time` [s]."""
         truth, enter = self.CTYPES["Boolean"], self.named("EnterInitializationMode")
         given = truth(tolerance is not None), c_double(tolerance or 0.0)
         setup = (*given, c_double(time), truth(False), c_double(0.0))  # without a stop time
@@ -228,9 +228,7 @@ class Instance(ABC):
         self.call(name, references, count, orders, *self.sized(values, count))
 
     @abstractmethod
-    def input_derivatives_call(
-        self, references: References, orders: Sequence[int], values: Reals
-    ) -> partial[int]:
+    def input_derivatives_call(self, references: References, orders: Orders, values: Reals) -> partial[int]:
         """A call that sets time derivatives of inputs; FmuError where FMI has none."""
 
     def directional_derivative(
