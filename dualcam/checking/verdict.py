@@ -91,14 +91,8 @@ class Verdict:
         return self.starts and not self.errors
 
     def to_json(self) -> dict[str, Any]:
-        """The verdict as a dictionary of plain values, for json.dumps.
-
-        Returns
-        -------
-        dict
-            Keys name, model, good, starts, findings (a list of dictionaries), notes, numbers (in SI units;
-            null for a design with errors).
-        """
+        """The verdict for json.dumps: name, model, good, starts, findings, notes, and numbers in SI
+        units, which are null for a design with errors."""
         return {
             "name": self.name,
             "model": self.model,

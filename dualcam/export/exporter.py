@@ -260,22 +260,10 @@ def target_path(path: str | Path) -> Path:
 
 
 def model_identifier(name: str) -> str:
-    """The C identifier of a model: FMI demands one for the names of binaries and functions.
+    """The C identifier of a model, which FMI demands for the names of binaries and functions: `name` with "_"
+    in place of each character that is not allowed, and before a digit at the beginning.
 
-    Parameters
-    ----------
-    name
-        Model name, which may be any text with a letter from a to z or a digit.
-
-    Returns
-    -------
-    str
-        `name`, with "_" instead of each character that is not allowed, and before a digit at the beginning.
-
-    Raises
-    ------
-    ExportError
-        No letter from a to z and no digit is in the name.
+    ExportError for a name without a letter from a to z or digit.
 
     Examples
     --------

@@ -25,7 +25,6 @@ from dualcam.fleet.values import (
     Layout,
     chosen_instances,
     output_buffer,
-    relative_tolerance,
     steps_of,
     whole_number,
 )
@@ -124,7 +123,8 @@ class Fleet(ProcessBound):
         self._ports = Ports(*sizes, *(address(references) for references in self._references))
         self._ports_address = addressof(self._ports)
         start_time = number_of(time, "time")
-        relative = relative_tolerance(tolerance)
+        allowed = "a finite number > 0, or None"
+        relative = 0.0 if tolerance is None else positive_number(tolerance, "tolerance", allowed)
         parameters = {} if parameters is None else parameters
         layout = self._layout(parameters)  # refuses wrong values before an instance is made
         self._warn_units(parameters)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from dualcam.common.arrays import Array, positive_number, real_array
+from dualcam.common.arrays import Array, real_array
 from dualcam.errors import FmuError
 from dualcam.fleet.native import Values, address
 from dualcam.fmi.handle import suitable_value
@@ -18,7 +18,6 @@ from dualcam.fmi.model_description import Kind, Variable
 NUMBERS: dict[Kind, type[np.generic]] = {"real": np.float64, "integer": np.intc, "boolean": np.intc}
 KINDS: tuple[Kind, ...] = ("real", "integer", "boolean", "string")
 FleetValue = ArrayLike | str | Sequence[str]
-TOLERANCES = "a finite number > 0, or None"
 
 
 class Layout:
@@ -75,11 +74,6 @@ def _numbered(variable: Variable, instance: int, value: object) -> object:
 
 def _dtype(variable: Variable) -> type:
     return object if variable.kind == "string" else NUMBERS[variable.kind]
-
-
-def relative_tolerance(tolerance: float | None) -> float:
-    """The tolerance as the C loop takes it: 0 for the FMU's default."""
-    return 0.0 if tolerance is None else positive_number(tolerance, "tolerance", TOLERANCES)
 
 
 def chosen_instances(instances: ArrayLike | None, count: int) -> NDArray[np.uint8]:

@@ -140,16 +140,11 @@ def read_model_description(path: str | Path) -> ModelDescription:
     Parameters
     ----------
     path : str or Path
-        An FMU of FMI 2.0 or FMI 3.0.
+        An FMU of FMI 2.0 or FMI 3.0. FmuError for anything else.
 
     Returns
     -------
     ModelDescription
-
-    Raises
-    ------
-    FmuError
-        There is no file, the file is no FMU, or the description is not valid.
 
     Examples
     --------

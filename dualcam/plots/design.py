@@ -166,13 +166,7 @@ def _finite(values: Array) -> Array:
 
 
 def save(picture: Figure, path: str | Path) -> None:
-    """Write a figure to a file; the end of the name gives the format (png, svg, pdf).
-
-    Raises
-    ------
-    DualcamError
-        For a format that matplotlib cannot write.
-    """
+    """Write a figure to a file; the end of the name gives the format. DualcamError for an unknown format."""
     check_picture(path)
     with whole_file(Path(path)) as unfinished:
         picture.savefig(unfinished, dpi=200)

@@ -47,13 +47,12 @@ LABELS = {
 
 
 def write_report(design: DesignSource, path: str | Path) -> Path:
-    """Write a report about a design.
+    """Write a report about a design. A design that does not work is no error: the report says why.
 
     Parameters
     ----------
     design : DesignFile, str or Path
-        The design, from `read_design`, or the path of its file. Without a scenario the report has no
-        simulation.
+        The design, from `read_design`, or the path of its file. Without a scenario there is no simulation.
     path : str or Path
         The HTML file.
 
@@ -65,9 +64,7 @@ def write_report(design: DesignSource, path: str | Path) -> Path:
     Raises
     ------
     DualcamError
-        For another ending than .html. A design that does not work is no error: the report says why.
-    FileError
-        The system refuses to write the file.
+        For another ending than .html, or a file that cannot be written.
 
     Examples
     --------

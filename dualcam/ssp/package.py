@@ -95,8 +95,7 @@ class System(SystemStructure):
         Raises
         ------
         DesignError
-            Another ending than .ssp, a missing folder, the file of a component; wrong names, start values,
-            connections, ports, times, or FMUs: all problems at once.
+            A path that is no good; wrong names, start values, connections, ports, times, FMUs: all at once.
 
         Warns
         -----
@@ -228,18 +227,8 @@ def parameters(component: Component) -> ET.Element:
 
 
 def design_system(design: DesignFile, fmu: Path, step: float = 1e-3, ports: bool = False) -> System:
-    """The system with one component "cam": an exported FMU with the design's numbers as start values.
-
-    Parameters
-    ----------
-    design
-        The design; its text parameters (table files) are those inside the FMU.
-    fmu
-        The exported FMU, FMI 2.0.
-    step
-        Communication step [s] that the package proposes.
-    ports
-        Whether the inputs and outputs of the cam are connectors of the system, too.
+    """The system with one component "cam": `fmu`, an FMU of FMI 2.0 exported from the design, with the
+    numbers of the design as start values. `step` [s] and `ports` are those of `export_ssp`.
     """
     values: dict[str, Value] = {k: v for k, v in design.parameters_for().items() if not isinstance(v, str)}
     cam = Component("cam", fmu, values)
@@ -251,10 +240,10 @@ def design_system(design: DesignFile, fmu: Path, step: float = 1e-3, ports: bool
 
 
 def export_ssp(design: DesignSource, path: str | Path, step: float = 1e-3, *, ports: bool = False) -> Path:
-    """Write an SSP package with the FMU of a design.
+    """Write an SSP package with one component "cam", the FMU of a design.
 
-    The package holds one component "cam" with the FMU of the design, and the design's numbers as a parameter
-    set "start" (`resources/cam.ssv`). The torque of the design's scenario is no part of the package.
+    The design's numbers are the parameter set "start" (`resources/cam.ssv`). The torque of the scenario is no
+    part of the package.
 
     Parameters
     ----------
@@ -275,10 +264,8 @@ def export_ssp(design: DesignSource, path: str | Path, step: float = 1e-3, *, po
 
     Raises
     ------
-    DesignError
-        For another ending than .ssp, a missing folder, or a step that is no number > 0.
-    FmuError
-        The FMU refuses the design.
+    DualcamError
+        A path or step that is no good, or a design that the FMU refuses.
 
     Examples
     --------
