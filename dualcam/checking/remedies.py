@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from typing import NamedTuple
 
 from dualcam.checking.rules import troubles
 from dualcam.checking.trouble import Remedy, Trouble, value_of, with_value
@@ -26,13 +25,6 @@ SHARES = sorted({(k / 24) ** 2 for k in range(1, 25)} | {1.0 - 0.5**k for k in r
 HALVINGS = 40
 
 
-class Kinds(NamedTuple):
-    """Kinds of the findings about one design."""
-
-    all: frozenset[str]
-    errors: frozenset[str]
-
-
 class RemedySearch:
     """Searches values for the findings of one design. A value that was tried once is not tried again."""
 
@@ -40,7 +32,7 @@ class RemedySearch:
         self.design = design
         self.refusal = reason  # the FMU's message if it does not start with a design
         self.errors = frozenset(one.finding.kind for one in found if one.finding.severity == ERROR)
-        self._tried: dict[tuple[str, float], Kinds | None] = {}
+        self._tried: dict[tuple[str, float], dict[str, bool] | None] = {}
 
     def mended(self, trouble: Trouble) -> Finding:
         """The finding with a value that "works", so that the whole check passes, or mends it alone."""
@@ -66,24 +58,24 @@ class RemedySearch:
             if not is_sensible(self.design, remedy.key, value):
                 return False
             kinds = self._kinds(remedy.key, value)
-            return kinds is not None and not mended & kinds.all and kinds.errors <= allowed
+            errors = {kind for kind, is_error in (kinds or {}).items() if is_error}
+            return kinds is not None and not mended & kinds.keys() and errors <= allowed
 
         value = nearest_working(float(current), remedy.bound, works)
         if value is not None and whole and self.refusal(with_value(self.design, remedy.key, value)):
             return None
         return value
 
-    def _kinds(self, key: str, value: float) -> Kinds | None:
-        """What is found with another value; None for a design that cannot be."""
+    def _kinds(self, key: str, value: float) -> dict[str, bool] | None:
+        """Kinds of what is found with another value -> whether errors; None for a design that cannot be."""
         place = (key, value)
         if place not in self._tried:
             try:
                 left = [one.finding for one in troubles(with_value(self.design, key, value), locate=False)]
+                severities = sorted((one.kind, one.severity == ERROR) for one in left)  # an error comes last
+                self._tried[place] = dict(severities)
             except DualcamError:
                 self._tried[place] = None
-            else:
-                errors = frozenset(one.kind for one in left if one.severity == ERROR)
-                self._tried[place] = Kinds(frozenset(one.kind for one in left), errors)
         return self._tried[place]
 
 

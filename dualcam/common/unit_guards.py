@@ -39,14 +39,12 @@ class Rule:
     other_unit: str
     per_unit: float  # how many of the other unit make one
 
-    def is_strange(self, value: float) -> bool:
-        """Whether a value is on the strange side of the limit."""
-        return abs(value) > self.limit if self.side == "above" else 0.0 < value < self.limit
-
     def message(self, name: str, value: float) -> str:
-        """The warning for a variable of that name."""
-        unit = "" if self.unit == "1" else f" {self.unit}"
-        meant = value / self.per_unit
+        """The warning for a variable of that name; "" for a value that is not strange."""
+        is_strange = abs(value) > self.limit if self.side == "above" else 0.0 < value < self.limit
+        if not (is_strange and math.isfinite(value)):
+            return ""
+        unit, meant = "" if self.unit == "1" else f" {self.unit}", value / self.per_unit
         return (
             f"{name} = {value:.6g}{unit}: this looks like {self.likely}; {value:.6g} {self.other_unit} is"
             f" {meant:.6g}{unit}"
@@ -70,9 +68,9 @@ def unit_warning(name: str, value: object, shown: str = "") -> str | None:
     """The warning for a value in the FMU's unit that looks like another unit, or None."""
     if isinstance(value, bool) or not isinstance(value, int | float | np.number):
         return None
-    number, rules = float(value), RULES.get(re.sub(r"^cam[12]\.", "cam.", name), ())
-    strange = [rule for rule in rules if math.isfinite(number) and rule.is_strange(number)]
-    return strange[0].message(shown or name, number) if strange else None
+    rules = RULES.get(re.sub(r"^cam[12]\.", "cam.", name), ())
+    found = (rule.message(shown or name, float(value)) for rule in rules)
+    return next(filter(None, found), None)
 
 
 def unit_warnings(parameters: Mapping[str, Any]) -> list[str]:

@@ -18,7 +18,7 @@ from dualcam.common.process_bound import ProcessBound
 from dualcam.common.unit_guards import warn_units
 from dualcam.errors import FleetError, FmuError, UnknownVariableError
 from dualcam.fleet.core import Core, FleetState, NotFiniteError
-from dualcam.fleet.native import Ports, address, pointer_to
+from dualcam.fleet.native import GETTERS, Ports, address, pointer_to
 from dualcam.fleet.values import (
     NUMBERS,
     FleetValue,
@@ -33,7 +33,6 @@ from dualcam.fmi.library import source_path
 from dualcam.fmi.model_description import Variable, read_model_description
 
 MOST_THREADS = 256
-GETTERS = {"real": "fleet_get_reals", "integer": "fleet_get_integers", "boolean": "fleet_get_booleans"}
 
 
 class Fleet(ProcessBound):

@@ -15,6 +15,7 @@ from dualcam.errors import FmuError
 from dualcam.fmi.library import fleet_library_path
 
 TEXT = 512  # FLEET_TEXT
+GETTERS = {"real": "fleet_get_reals", "integer": "fleet_get_integers", "boolean": "fleet_get_booleans"}
 FATAL, NOT_FINITE, ALL_FAILED = -1, -2, -3  # FLEET_FATAL, FLEET_NOT_FINITE, FLEET_ALL_FAILED
 
 # Members of FleetFunctions, in order
@@ -88,17 +89,12 @@ SIGNATURES = {
     "fleet_open": (c_void_p, (POINTER(Functions), POINTER(Experiment), c_size_t, c_uint)),
     "fleet_close": (None, (c_void_p,)),
     "fleet_instantiate": (c_long, (c_void_p,)),
-    "fleet_start": (c_long, (c_void_p, POINTER(Values), c_void_p)),
-    "fleet_set": (c_long, (c_void_p, POINTER(Values), c_void_p)),
-    "fleet_get_reals": (c_long, (c_void_p, c_uint, c_void_p)),
-    "fleet_get_integers": (c_long, (c_void_p, c_uint, c_void_p)),
-    "fleet_get_booleans": (c_long, (c_void_p, c_uint, c_void_p)),
+    **dict.fromkeys(("fleet_start", "fleet_set"), (c_long, (c_void_p, POINTER(Values), c_void_p))),
+    **dict.fromkeys(GETTERS.values(), (c_long, (c_void_p, c_uint, c_void_p))),
     "fleet_roll": (c_long, (c_void_p, c_void_p, c_void_p, c_size_t, c_double, c_void_p)),
-    "fleet_save": (c_long, (c_void_p, c_void_p, c_void_p, c_void_p)),
-    "fleet_restore": (c_long, (c_void_p, c_void_p, c_void_p, c_void_p)),
+    **dict.fromkeys(("fleet_save", "fleet_restore"), (c_long, (c_void_p, c_void_p, c_void_p, c_void_p))),
     "fleet_free_states": (c_long, (c_void_p, c_void_p)),
-    "fleet_failed": (None, (c_void_p, c_void_p)),
-    "fleet_times": (None, (c_void_p, c_void_p)),
+    **dict.fromkeys(("fleet_failed", "fleet_times"), (None, (c_void_p, c_void_p))),
     "fleet_reports": (c_size_t, (c_void_p, POINTER(POINTER(Report)))),
     "runs_make": (None, (c_void_p, c_size_t, c_void_p, c_size_t, c_size_t, POINTER(RunsEnd))),
 }

@@ -7,7 +7,7 @@ from html import escape
 import numpy as np
 
 from dualcam.common.html_page import figure_element, table
-from dualcam.design import Limits, Mechanism, Pin, WearLife
+from dualcam.design import Limits, Mechanism, Pin
 from dualcam.design_file import DesignFile
 from dualcam.design_file.durability import (
     largest_contact,
@@ -106,13 +106,14 @@ def _wear(design: DesignFile, mechanism: Mechanism) -> str:
     if found is None or numbers is None:
         return ""
     life = found.life(numbers.depth)
+    counts = {"groove 1": life.groove1, "groove 2": life.groove2, "pin": life.pin}
     try:
         worn = found.after(life.cycles)
     except DesignError:
         worn = None
     rows = [
         ("allowed depth of wear", f"{1e3 * numbers.depth:.4g} mm"),
-        *_lives(life, numbers.depth),
+        *((f"{name}: cycles until {1e3 * numbers.depth:.4g} mm", f"{n:.4g}") for name, n in counts.items()),
         ("sliding distance of a cycle", " and ".join(f"{1e3 * way:.4g} mm" for way in found.path)),
     ]
     if worn is not None:
@@ -127,8 +128,3 @@ def _wear(design: DesignFile, mechanism: Mechanism) -> str:
     text += " The roller rolls: the wear rates must be those of a rolling contact." if found.turns else ""
     picture = figure_element(plot_wear(found, worn, life.cycles), "Wear along each groove")
     return f"<h2>Wear</h2>\n<p>{text}</p>\n" + table(("what", "value"), rows) + picture
-
-
-def _lives(life: WearLife, depth: float) -> list[Row]:
-    counts = {"groove 1": life.groove1, "groove 2": life.groove2, "pin": life.pin}
-    return [(f"{name}: cycles until {1e3 * depth:.4g} mm", f"{count:.4g}") for name, count in counts.items()]
