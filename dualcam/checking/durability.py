@@ -1,7 +1,5 @@
 """Rules about what lasts: stress and fatigue of the spring, the roller, wear. No rule needs the FMU."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Values that mend a finding, found by search: only values of a sensible size, and each of them is tried."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import replace

@@ -4,8 +4,6 @@ The geometry and the strength are those of dualcam.design.assess. Here their fin
 keys whose change can help.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """A finding of the check with what can help, and the values of keys."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from typing import Any
 

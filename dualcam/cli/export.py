@@ -1,7 +1,5 @@
 """`dualcam export`: an FMU of a design, with its own name and start values."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

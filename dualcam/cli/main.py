@@ -1,7 +1,5 @@
 """The group of all commands. A command's module is imported when that command is asked for."""
 
-from __future__ import annotations
-
 import difflib
 import sys
 import warnings

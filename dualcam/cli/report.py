@@ -1,7 +1,5 @@
 """`dualcam report`: one HTML page about a design."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import click

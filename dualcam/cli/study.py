@@ -1,7 +1,5 @@
 """`dualcam study`: many runs of an FMU by a plan."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import click

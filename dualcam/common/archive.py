@@ -1,7 +1,5 @@
 """Zip files, such as FMUs and SSP packages, whose bytes depend on their members alone."""
 
-from __future__ import annotations
-
 import io
 import zipfile
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """Arrays and numbers that a user hands in: real numbers, or an error that says what was given instead."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Paths as arguments of functions, and files that are written wholly or not at all."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager

@@ -5,8 +5,6 @@ one. A rule only warns: nothing is refused that could be meant. The same rules s
 of dualcam.design, files of groove tables, and the FMUs themselves (fmu_src/unit_guards.def).
 """
 
-from __future__ import annotations
-
 import csv
 import math
 import re

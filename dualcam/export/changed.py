@@ -1,7 +1,5 @@
 """An FMU of this project with other start values: in the XML, the binaries and the C sources."""
 
-from __future__ import annotations
-
 import hashlib
 import re
 import xml.etree.ElementTree as ET

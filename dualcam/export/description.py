@@ -3,8 +3,6 @@
 Nothing else changes, neither the order of elements nor the model structure.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """From a design to its own FMU, without a compiler: the project's FMU with other names and start values."""
 
-from __future__ import annotations
-
 import re
 import tempfile
 import warnings

@@ -5,8 +5,6 @@ signature is a list of SHA-256 hashes, one for each page of the file (Apple, cs_
 mach-o/loader.h). A changed page needs a new hash.
 """
 
-from __future__ import annotations
-
 import hashlib
 import struct
 

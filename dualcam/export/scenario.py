@@ -1,7 +1,5 @@
 """The scenario of a design in its exported FMU: inputs over time as a file, and Python lines that play it."""
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Mapping, Sequence

@@ -8,8 +8,6 @@ A mark begins the block. All numbers are little-endian, on every platform of the
 `number` has one place for each value reference. The place of a text holds the index of the text.
 """
 
-from __future__ import annotations
-
 import struct
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """A loaded FMU with its instances in C: opened, closed once, and the reasons of failures."""
 
-from __future__ import annotations
-
 import ctypes
 import threading
 import weakref

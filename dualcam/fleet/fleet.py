@@ -1,7 +1,5 @@
 """Thousands of instances of one FMU, stepped by one call."""
 
-from __future__ import annotations
-
 import math
 import weakref
 from collections.abc import Iterable, Mapping, Sequence

@@ -1,7 +1,5 @@
 """The library of the C loops, dualcam/fleet/fleet.h and runs.h: its structs and functions for ctypes."""
 
-from __future__ import annotations
-
 import ctypes
 from collections.abc import Callable
 from ctypes import POINTER, byref, c_char, c_char_p, c_double, c_int, c_long, c_size_t, c_uint, c_void_p

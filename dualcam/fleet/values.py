@@ -1,7 +1,5 @@
 """Arguments of a fleet, checked, and values for each instance, laid out as the C loop reads them."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from ctypes import addressof, c_char_p
 from typing import Any

@@ -1,7 +1,5 @@
 """The binary of an FMU: unpacked, found for this platform, loaded."""
 
-from __future__ import annotations
-
 import _ctypes
 import ctypes
 import os

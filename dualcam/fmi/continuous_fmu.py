@@ -1,7 +1,5 @@
 """The handle of an FMU for model exchange."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from ctypes import c_double
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The calls of FMI 2.0."""
 
-from __future__ import annotations
-
 import ctypes
 import sys
 from ctypes import CFUNCTYPE, byref, c_char_p, c_double, c_int, c_size_t, c_void_p

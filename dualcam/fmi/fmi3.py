@@ -1,7 +1,5 @@
 """The calls of FMI 3.0: co-simulation without event mode, and model exchange."""
 
-from __future__ import annotations
-
 import ctypes
 import os
 from ctypes import CFUNCTYPE, byref, c_bool, c_char_p, c_double, c_int, c_int32, c_size_t, c_void_p

@@ -12,8 +12,6 @@ messages in errors, and fast enough for a 1 kHz loop.
 An instance must not be used from two threads at once; instances share nothing.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 

@@ -1,7 +1,5 @@
 """What the handles for co-simulation and model exchange share: variables by name, derivatives, states."""
 
-from __future__ import annotations
-
 import difflib
 import math
 import weakref

@@ -4,8 +4,6 @@
 the methods of Instance alone.
 """
 
-from __future__ import annotations
-
 import ctypes
 from abc import ABC, abstractmethod
 from collections import deque

@@ -1,7 +1,5 @@
 """Where this package's own FMUs are, and the files for a page in a browser."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from dualcam.errors import FmuError

@@ -1,7 +1,5 @@
 """The modelDescription.xml of an FMU of FMI 2.0 or FMI 3.0, read into typed objects."""
 
-from __future__ import annotations
-
 import xml.etree.ElementTree as ElementTree
 import zipfile
 import zlib

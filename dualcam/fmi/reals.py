@@ -1,8 +1,6 @@
 """Groups of real variables with buffers that are laid out once: reading or writing a group costs one call
 into the FMU and allocates only the returned floats."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from ctypes import c_double
 

@@ -1,7 +1,5 @@
 """The part of the report about what lasts: contact stress, roller, spring, wear."""
 
-from __future__ import annotations
-
 from html import escape
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The inputs of a design as tables: parameters, spring, pin, limits and scenario, in SI and usual units."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import fields
 from pathlib import Path

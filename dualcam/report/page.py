@@ -3,8 +3,6 @@
 The file needs no network: pictures are SVG inside the page, and the page has no script.
 """
 
-from __future__ import annotations
-
 from html import escape
 from pathlib import Path
 

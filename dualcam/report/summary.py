@@ -1,7 +1,5 @@
 """Results of a design in a few numbers and words, for the command line and for reports."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

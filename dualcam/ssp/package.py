@@ -6,8 +6,6 @@ applies the sets of a name, libcosim the first of each component, FMPy none. So 
 the start values of its component itself, too.
 """
 
-from __future__ import annotations
-
 import io
 import tempfile
 import xml.etree.ElementTree as ET

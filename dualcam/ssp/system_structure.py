@@ -1,7 +1,5 @@
 """What a system of FMUs is made of, and what is wrong with it before it becomes a package: all at once."""
 
-from __future__ import annotations
-
 import math
 import re
 import tempfile

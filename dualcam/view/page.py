@@ -1,7 +1,5 @@
 """Puts the page together: template, style, modules, three.js, WebAssembly and the values of the design."""
 
-from __future__ import annotations
-
 import base64
 import json
 import re

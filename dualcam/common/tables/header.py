@@ -1,7 +1,5 @@
 """The header of a table: where it is, and which column is which quantity."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass

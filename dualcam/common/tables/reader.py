@@ -1,7 +1,5 @@
 """Tables from files: columns by quantity in SI units, and columns by name."""
 
-from __future__ import annotations
-
 import re
 import warnings
 from collections.abc import Callable, Collection, Mapping, Sequence

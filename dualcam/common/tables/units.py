@@ -1,7 +1,5 @@
 """What tables are for: their quantities, and units as people write them, with their factors to SI."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Collection, Mapping
