@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING
 from dualcam.common.module_calls import explain_call_of
 from dualcam.common.moved import old_names
 from dualcam.errors import ExportError
-from dualcam.export.exporter import ExportableDesign, export_fmu, model_identifier
+from dualcam.export.description import model_identifier
+from dualcam.export.exporter import ExportableDesign, export_fmu
 
 __all__ = ["ExportError", "ExportableDesign", "export_fmu", "model_identifier"]
 

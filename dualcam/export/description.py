@@ -106,6 +106,23 @@ def typed(variable: VariableTag, value: Scalar) -> Scalar:
     return {"Real": float, "Integer": int, "Boolean": bool, "String": str}[variable.type](value)
 
 
+def model_identifier(name: str) -> str:
+    """The C identifier of a model, which FMI demands for the names of binaries and functions: `name` with "_"
+    in place of each character that is not allowed, and before a digit at the beginning.
+
+    ExportError for a name without a letter from a to z or digit.
+
+    Examples
+    --------
+    >>> model_identifier("my cam")
+    'my_cam'
+    """
+    if not re.search(r"[A-Za-z0-9]", name):
+        raise ExportError(f"name {name!r}: allowed is a name with at least one letter from a to z or digit")
+    identifier = re.sub(r"[^A-Za-z0-9_]", "_", name)
+    return f"_{identifier}" if identifier[0].isdigit() else identifier
+
+
 def _edited_tag(tag: bytes, attributes: Mapping[str, str]) -> bytes:
     for name, value in attributes.items():
         head, before, rest = tag.partition(f' {name}="'.encode())

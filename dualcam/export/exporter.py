@@ -1,6 +1,5 @@
 """From a design to its own FMU, without a compiler: the project's FMU with other names and start values."""
 
-import re
 import tempfile
 import warnings
 from collections.abc import Mapping
@@ -14,7 +13,7 @@ from dualcam.common.unit_guards import units_checked_before
 from dualcam.design_file import as_design
 from dualcam.errors import DualcamWarning, ExportError
 from dualcam.export.changed import PAGE, Change, Members, changed_members, exported_related_files
-from dualcam.export.description import Description, typed
+from dualcam.export.description import Description, model_identifier, typed
 from dualcam.export.page import exported_page, figures
 from dualcam.export.reference import (
     START_INPUTS,
@@ -255,20 +254,3 @@ def target_path(path: str | Path) -> Path:
         text = f"the folder {target.parent} does not exist: create it first, or choose another folder"
         raise ExportError(text)
     return target
-
-
-def model_identifier(name: str) -> str:
-    """The C identifier of a model, which FMI demands for the names of binaries and functions: `name` with "_"
-    in place of each character that is not allowed, and before a digit at the beginning.
-
-    ExportError for a name without a letter from a to z or digit.
-
-    Examples
-    --------
-    >>> model_identifier("my cam")
-    'my_cam'
-    """
-    if not re.search(r"[A-Za-z0-9]", name):
-        raise ExportError(f"name {name!r}: allowed is a name with at least one letter from a to z or digit")
-    identifier = re.sub(r"[^A-Za-z0-9_]", "_", name)
-    return f"_{identifier}" if identifier[0].isdigit() else identifier
