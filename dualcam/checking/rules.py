@@ -1,4 +1,4 @@
-"""What is wrong with a design, found without the FMU: each rule gives findings with a key of the design file.
+"""What is wrong or strange in a design, found without the FMU: findings with a key of the design file.
 
 The geometry and the strength are those of dualcam.design.assess. Here their findings get the keys, and the
 keys whose change can help.
