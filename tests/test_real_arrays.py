@@ -49,7 +49,7 @@ def test_real_numbers_of_any_type():
     for values in (own.astype(np.float32), [0.5, 1], (0.5, 1.0), np.ma.masked_array(own), own[::-1][::-1]):
         assert real_array(values, "x").tolist() == [0.5, 1.0]
     assert real_array(np.array([3, 4], np.uint8), "x").dtype == np.float64
-    assert real_array([True, 2], "x", kinds=TRUTH).tolist() == [1.0, 2.0]
+    assert real_array([[True, 2.0], [False, 3.0]], "x", kinds=TRUTH).tolist() == [[1.0, 2.0], [0.0, 3.0]]
     assert real_array([True, False], "x", kinds=TRUTH).tolist() == [1.0, 0.0]
 
 
@@ -112,6 +112,12 @@ PLACES = {
 def test_no_duration_is_taken_for_numbers(place, wrong):
     with pytest.raises(DualcamError, match="allowed are real numbers"):
         PLACES[place](wrong)
+
+
+@pytest.mark.parametrize("place", [name for name in PLACES if name != "table of a study"])
+def test_no_boolean_is_taken_for_a_number(place):
+    with pytest.raises(DualcamError, match="type bool: allowed are real numbers"):
+        PLACES[place]([True, 2.0, 3.0, 4.0])
 
 
 @pytest.mark.parametrize("wrong", [DURATIONS, list(DURATIONS)])

@@ -38,7 +38,8 @@ def real_array(
         given = np.asarray(values)
     except Exception as reason:  # rows of different lengths; types of other packages have errors of their own
         raise error(f"{name} is no array of real numbers: {reason}") from None
-    if given.dtype.kind in REAL and "b" not in kinds and _has_boolean(values):
+    may_mix = "b" in kinds and given.ndim > 1  # a column of booleans beside one of numbers
+    if given.dtype.kind in REAL and not may_mix and _has_boolean(values):
         raise error(f"{name} has elements of type {_type_of(np.empty(0, bool))}")
     if given.dtype.kind not in kinds:
         raise error(f"{name} has elements of type {_type_of(given)}")
