@@ -110,20 +110,13 @@ def check_design(design: DesignSource) -> Verdict:
     Parameters
     ----------
     design : DesignFile, str or Path
-        A design, from `read_design`, or the path of its file.
+        A design, from `read_design`, or the path of its file. DesignFileError where the file is refused.
 
     Returns
     -------
     Verdict
         All findings. An error has the nearest value that works where a search finds one; no error has one
         while a value looks like another unit.
-
-    Raises
-    ------
-    DesignFileError
-        The file is refused.
-    FmuError
-        Where this package's FMUs are missing.
 
     Examples
     --------

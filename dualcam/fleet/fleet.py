@@ -69,10 +69,8 @@ class Fleet(ProcessBound):
     ------
     FleetError
         The FMU refuses a start value of an instance.
-    UnknownVariableError
-        The FMU has no variable of a name.
     FmuError
-        Another argument is wrong, or the FMU is not of FMI 2.0 or has no co-simulation.
+        An argument is wrong (UnknownVariableError: a name), or the FMU has no co-simulation of FMI 2.0.
 
     Examples
     --------

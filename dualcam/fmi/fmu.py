@@ -101,7 +101,7 @@ class Fmu(Handle):
 
 class RepeatedStart:
     """Many runs of one FMU from different start values. The FMU keeps its precomputed geometry, so a start
-    costs about as much as a step.
+    costs about as much as a step. FmuError where the FMU refuses a value, or cannot save its state.
 
     Parameters
     ----------
@@ -111,11 +111,6 @@ class RepeatedStart:
         Start values that all runs share, as in `Fmu.start`.
     names : sequence of str, shape (n,)
         Real start values, of parameters or inputs, that differ between the runs.
-
-    Raises
-    ------
-    FmuError
-        The FMU refuses a value, or cannot save its state.
 
     Examples
     --------
