@@ -8,14 +8,26 @@ import pytest
 
 from dualcam import Fmu
 from dualcam.checking import check_design
+from dualcam.checking.remedies import nearest_working, round_away
 from dualcam.checking.rules import troubles
-from dualcam.checking.search import nearest_working, round_away
-from dualcam.checking.values import with_value
-from dualcam.design import Ellipse, Helix, Limits, Mechanism, Pin, Spring, Table, assess, hertz_pressure
+from dualcam.checking.trouble import with_value
+from dualcam.design import (
+    Ellipse,
+    Helix,
+    Limits,
+    Mechanism,
+    Pin,
+    Spring,
+    Table,
+    assess,
+    hertz_pressure,
+)
 from dualcam.design_file import TEMPLATES, read_design, write_template
 from dualcam.errors import DesignError, FmuError
 from dualcam.fmi.library import fmu_path
 from dualcam.fmi.variables import all_parameters
+
+NEST = 'cam1.radius = "15 mm"\ncam2.radius = "30 mm"\n'  # of the same torque and stroke as the defaults
 
 
 @pytest.fixture
@@ -258,8 +270,33 @@ def test_the_class_of_the_mechanism_is_said_in_words(design, leads, words):
 
 
 def test_default_limits_of_the_lead_angle_only_warn(design):
-    verdict = check_design(design('cam1.lead_angle = "82 deg"\ncam2.lead_angle = "30 deg"'))
+    verdict = check_design(design(NEST + 'cam1.lead_angle = "82 deg"\ncam2.lead_angle = "30 deg"'))
     assert verdict.good and [finding.severity for finding in verdict.findings] == ["warning"]
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("", "the walls of cam 1 and cam 2 overlap"),
+        (
+            'cam2.radius = 0.0200000000001\npin = {radius = "3 mm", width = "8 mm"}',
+            "the walls of cam 1 (radius 16 to 24 mm) and cam 2 (radius 16 to 24 mm) overlap and the cams"
+            " cannot stand inside one another. Give the cams radii that differ by wall and clearance, at"
+            " least pin.width = 8 mm. Equal grooves with radii of 15 and 30 mm have the same torque and"
+            " stroke",
+        ),
+    ],
+)
+def test_equal_radii_get_a_warning(design, text, words):
+    """The walls are those of the solids that `dualcam design --export cam.step` writes."""
+    verdict = check_design(design(text))
+    (finding,) = (one for one in verdict.findings if one.kind == "equal radii")
+    assert verdict.good and (finding.severity, finding.key) == ("warning", "cam2.radius")
+    assert finding.text.startswith("cam1.radius = cam2.radius = 20 mm: equal radii cannot be built")
+    assert words in finding.text
+    before, after = verdict.numbers, check_design(design(NEST)).numbers
+    assert after.load == pytest.approx(before.load) and after.stroke == pytest.approx(before.stroke)
+    assert all(one.kind != "equal radii" for one in check_design(design("cam2.radius = 0.021")).findings)
 
 
 def test_a_spring_without_preload_is_no_error(design):
@@ -267,7 +304,7 @@ def test_a_spring_without_preload_is_no_error(design):
 
 
 def test_warnings_of_the_file_are_in_the_verdict(design):
-    verdict = check_design(design("stop.upper = 75"))
+    verdict = check_design(design(NEST + "stop.upper = 75"))
     assert verdict.good and [finding.key for finding in verdict.findings] == ["stop.upper"]
 
 
@@ -280,11 +317,12 @@ def test_what_only_the_fmu_refuses(design, monkeypatch):
 
 
 def test_json(design):
-    verdict = check_design(design('cam1 = {profile = "table", table = "short.csv"}'))
+    short = 'cam1 = {profile = "table", table = "short.csv"}\ncam2.radius = "30 mm"'
+    verdict = check_design(design(short))
     read = json.loads(json.dumps(verdict.to_json(), allow_nan=False))
     assert (read["good"], read["starts"], read["model"], read["name"]) == (False, False, "forward", "my")
     (finding,) = read["findings"]
-    assert finding["change"] == "stop.upper" and finding["nearest"] == pytest.approx(1.0, rel=1e-3)
+    assert finding["change"] == "stop.upper" and finding["nearest"] == pytest.approx(0.5 + 1 / 3, rel=1e-3)
     assert finding["severity"] == "error" and finding["key"] == "stop.upper" and finding["value"] == 1.3963
 
 
@@ -441,10 +479,10 @@ def test_any_design_gets_a_verdict_and_every_proposal_cures_its_finding(design):
 
 def test_a_parameter_of_the_other_model_is_named(tmp_path):
     path = tmp_path / "my.toml"
-    path.write_text("[shaft]\nstiffness = 100.0\n[scenario]\nstop = 1.0\n", encoding="utf-8")
+    path.write_text(NEST + "[shaft]\nstiffness = 100.0\n[scenario]\nstop = 1.0\n", encoding="utf-8")
     verdict = check_design(read_design(path))
     (finding,) = verdict.findings
-    assert verdict.good and (finding.severity, finding.line) == ("warning", 2)
+    assert verdict.good and (finding.severity, finding.line) == ("warning", 4)
     assert finding.text == "shaft.stiffness = 100.0 is not used: the forward model has no such parameter"
 
 
@@ -472,10 +510,10 @@ def test_an_unknown_parameter_is_answered_by_the_nearest_name(tmp_path):
 def test_scenarios_that_do_nothing_get_a_warning(tmp_path, scenario, words):
     """The default mechanism loads at 0.66 N.m at theta = 0 and at 9.9 N.m at the upper stop."""
     path = tmp_path / "my.toml"
-    path.write_text(f"[scenario]\n{scenario}\n", encoding="utf-8")
+    path.write_text(f"{NEST}[scenario]\n{scenario}\n", encoding="utf-8")
     verdict = check_design(read_design(path))
     assert verdict.good
-    texts = [finding.text for finding in verdict.findings if finding.kind != "defaults"]
+    texts = [finding.text for finding in verdict.findings]
     assert any(words in text for text in texts) if words else texts == []
 
 

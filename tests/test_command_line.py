@@ -13,6 +13,7 @@ import fmpy
 import numpy as np
 import pytest
 from driver import ROOT
+from equal_radii import write_equal_radii
 from fmpy.validation import validate_fmu
 from lxml import etree
 
@@ -22,7 +23,7 @@ from dualcam.cli.commands import COMMANDS
 from dualcam.cli.new import TEMPLATES
 from dualcam.cli.output import say_where_it_runs
 from dualcam.errors import DesignError
-from dualcam.fmi.platforms import binary_folders
+from dualcam.fmi.binary import binary_folders
 
 SCHEMAS = Path(fmpy.__file__).parent / "ssp/schema"
 
@@ -38,6 +39,12 @@ def folder(tmp_path, monkeypatch):
 def design(folder):
     assert main(["new", "my.toml", "--from", "minimal"]) == 0
     return folder / "my.toml"
+
+
+@pytest.fixture
+def equal(folder):
+    """The design with equal radii, as equal grooves need them."""
+    return write_equal_radii(folder / "my.toml")
 
 
 def spoken(capsys, *words, code=0):
@@ -117,11 +124,11 @@ def test_new_replaces_a_file_only_when_told(design, capsys):
 # ---- from a template to an FMU ----
 
 
-def test_what_a_user_wrote_is_kept(design, capsys):
+def test_what_a_user_wrote_is_kept(equal, capsys):
     """A design file and its tables; a result is replaced."""
     Path("groove.csv").write_text("psi_rad,z_m\n0,0\n0.3,0.006\n0.6,0.012\n0.8,0.016\n", encoding="utf-8")
-    text = design.read_text(encoding="utf-8").replace('"helix"', '"table"\ntable = "groove.csv"', 1)
-    design.write_text(text.replace('lead_angle = "45 deg"', "", 1), encoding="utf-8")
+    text = equal.read_text(encoding="utf-8").replace('"helix"', '"table"\ntable = "groove.csv"', 1)
+    equal.write_text(text.replace('lead_angle = "45 deg"', "", 1), encoding="utf-8")
     kept = {path: path.read_bytes() for path in Path().iterdir()}
     for words in (["simulate", "my.toml", "-o", "./groove.csv"], ["band", "my.toml", "-o", "my.toml"]):
         assert "belongs to the design my.toml" in spoken(capsys, *words, code=1).err
@@ -144,7 +151,7 @@ def test_what_a_user_wrote_is_kept(design, capsys):
 
 
 @pytest.mark.filterwarnings("always::dualcam.errors.UnitWarning")
-def test_a_torque_with_a_doubtful_unit_is_told_in_the_last_line(design, capsys):
+def test_a_torque_with_a_doubtful_unit_is_told_in_the_last_line(equal, capsys):
     Path("torque.csv").write_text("theta_rad,torque_Nm\n0,5\n20,5\n50,5\n80,5\n", encoding="utf-8")
     said = spoken(capsys, "design", "my.toml", "--torque", "torque.csv", "-o", "g.csv").out
     last = "But first clear up this warning: torque.csv: theta = 80 rad: this looks like degrees"
@@ -465,8 +472,6 @@ def test_an_inverse_fmu_whose_stops_exclude_0_starts_at_the_nearest_stop(folder,
 
 def test_unequal_radii_keep_groove_2(design, capsys):
     """Equal grooves need equal radii. The answer has the lines for cam 1 alone, and the radii stand."""
-    text = design.read_text(encoding="utf-8").replace('radius = "20 mm"', 'radius = "15 mm"', 1)
-    design.write_text(text, encoding="utf-8")
     wanted = Path("torque.csv")
     wanted.write_text("theta_deg,torque_Nm\n0,1\n20,3\n50,6\n80,9\n", encoding="utf-8")
     said = spoken(capsys, "design", "my.toml", "--torque", str(wanted), "-o", "groove.csv").out
@@ -475,10 +480,10 @@ def test_unequal_radii_keep_groove_2(design, capsys):
     assert "equal grooves need equal radii" in said.err
 
 
-def test_a_groove_is_found_from_the_folder_of_its_design_file(design, folder, capsys):
+def test_a_groove_is_found_from_the_folder_of_its_design_file(equal, folder, capsys):
     """`dualcam design` prints the path as the design file needs the path, wherever the command runs."""
     (folder / "designs").mkdir()
-    text = design.read_text(encoding="utf-8").replace('profile = "helix"', "")
+    text = equal.read_text(encoding="utf-8").replace('profile = "helix"', "")
     mine = folder / "designs" / "mine.toml"
     mine.write_text(text, encoding="utf-8")
     said = spoken(capsys, "design", "designs/mine.toml", "--torque", "5", "-o", "groove.csv").out
@@ -491,7 +496,7 @@ def test_a_groove_is_found_from_the_folder_of_its_design_file(design, folder, ca
     assert load == pytest.approx([5.0] * len(load), rel=1e-6)
 
 
-def test_a_groove_that_cannot_work_is_called_so(design, capsys):
+def test_a_groove_that_cannot_work_is_called_so(equal, capsys):
     """The findings are those of `dualcam check` with the printed lines in the design file; the lead angle is
     the slope of the samples. Files for a workshop are refused."""
     words = ("design", "my.toml", "--torque", "500", "-o", "groove.csv", "--force")
@@ -504,10 +509,10 @@ def test_a_groove_that_cannot_work_is_called_so(design, capsys):
     assert float(shown[2]) == pytest.approx(steepest, abs=0.2) and shown[3] == "deg"
     assert "does not work: `dualcam check` finds" in said.splitlines()[-1]
     found = answer(capsys, *words)
-    text = design.read_text(encoding="utf-8")
+    text = equal.read_text(encoding="utf-8")
     for cam in ("cam1", "cam2"):
         text = text.replace(f"[{cam}]", f'[{cam}]\nprofile = "table"\ntable = "groove.csv"')
-    design.write_text(text.replace('profile = "helix"', ""), encoding="utf-8")
+    equal.write_text(text.replace('profile = "helix"', ""), encoding="utf-8")
     checked = answer(capsys, "check", "my.toml", code=1)
     assert not found["good"] and len(found["findings"]) == len(checked["findings"]) > 0
     errors = [one for one in checked["findings"] if one["severity"] == "error"]
@@ -594,10 +599,10 @@ def test_a_name_that_the_terminal_cannot_show_does_no_harm(design):
 
 
 @pytest.mark.parametrize("torque", ["4", "4 N.m", "4Nm", "4000 N.mm"])
-def test_a_torque_may_have_its_unit(design, capsys, torque):
+def test_a_torque_may_have_its_unit(equal, capsys, torque):
     said = spoken(capsys, "design", "my.toml", "--torque", torque, "-o", "groove.csv").out
     assert "Replace the lines profile and table in your [cam1] and [cam2] of my.toml:" in said
-    assert (design.parent / "groove.csv").exists()
+    assert (equal.parent / "groove.csv").exists()
 
 
 @pytest.mark.parametrize(

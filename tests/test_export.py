@@ -476,7 +476,7 @@ def test_page(exported, model, fmi):
 
 def test_curves_are_those_of_the_closed_form():
     """Two helices: T = (F0 + k z)/kappa, section 3 of docs/mechanism.md."""
-    from dualcam.export.curves import slow_motion_curves
+    from dualcam.export.reference import slow_motion_curves
 
     curves = slow_motion_curves({"stop.lower": -0.2, "inertia.follower_mass": 2.0, "initial.theta": 0.1})
     assert (curves.theta[0], curves.theta[-1]) == (-0.2, 1.3963)

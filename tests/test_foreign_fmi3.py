@@ -9,7 +9,7 @@ from driver import ROOT
 
 from dualcam import ContinuousFmu, Fmu
 from dualcam.errors import FmuError
-from dualcam.fmi.platforms import library_suffix, platform_tuple
+from dualcam.fmi.binary import library_suffix, platform_tuple
 
 DESCRIPTION = """<?xml version="1.0" encoding="UTF-8"?>
 <fmiModelDescription fmiVersion="3.0" modelName="other" instantiationToken="{token}">

@@ -7,6 +7,7 @@ import warnings
 import ezdxf
 import numpy as np
 import pytest
+from equal_radii import write_equal_radii
 
 from dualcam import read_design
 from dualcam.__main__ import main
@@ -18,7 +19,7 @@ from dualcam.errors import DesignError, DualcamWarning
 def design(tmp_path, monkeypatch):
     """A design file in an empty folder: two equal helices of 45 deg, pin of 6 mm."""
     monkeypatch.chdir(tmp_path)
-    assert main(["new", "my.toml", "--from", "minimal"]) == 0
+    write_equal_radii(tmp_path / "my.toml")
     return tmp_path
 
 

@@ -8,13 +8,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from equal_radii import write_equal_radii
 from reference.bench import Bench, record, sines, triangle
 from scipy.stats import binom
 
 import dualcam
 from dualcam import Fmu, identify
 from dualcam.__main__ import main
-from dualcam.design_file import read_design, write_template
+from dualcam.design_file import read_design
 from dualcam.errors import DualcamError, IdentificationError
 from dualcam.identification import Recording, fitted_names, read_recording
 from dualcam.identification.least_squares import Problem
@@ -47,7 +48,7 @@ TRUE = {
 @pytest.fixture(scope="module")
 def design(tmp_path_factory):
     """Grooves of the bench, with other friction and spring."""
-    return read_design(write_template("minimal", tmp_path_factory.mktemp("design") / "my.toml"))
+    return read_design(write_equal_radii(tmp_path_factory.mktemp("design") / "my.toml"))
 
 
 def recording(bench, time, motion, seed=1, torque_noise=TORQUE_NOISE, angle_noise=ANGLE_NOISE):
@@ -492,7 +493,7 @@ def test_a_design_that_does_not_fit_is_refused(design):
 def bench_folder(tmp_path, monkeypatch):
     """my.toml and bench.csv of the slow bench."""
     monkeypatch.chdir(tmp_path)
-    write_template("minimal", tmp_path / "my.toml")
+    write_equal_radii(tmp_path / "my.toml")
     data = slow_recording()
     columns = np.column_stack([data.time, np.degrees(data.theta), data.tau])
     np.savetxt("bench.csv", columns, "%.6f", ",", header="time_s,theta_deg,tau_Nm", comments="")

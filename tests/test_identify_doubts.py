@@ -7,12 +7,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from equal_radii import write_equal_radii
 from reference.bench import Bench, record, sines
 
 from dualcam import identify
 from dualcam.__main__ import main
 from dualcam.common.unit_guards import torque_factor_warnings
-from dualcam.design_file import read_design, write_template
+from dualcam.design_file import read_design
 from dualcam.errors import IdentificationError
 from dualcam.identification import Recording
 
@@ -25,7 +26,7 @@ FAST = sines(TIME, 0.7, (0.4, 0.1, 0.05), (0.11, 0.53, 1.37))
 @pytest.fixture(scope="module")
 def design(tmp_path_factory):
     """Grooves of the bench, with other friction and spring."""
-    return read_design(write_template("minimal", tmp_path_factory.mktemp("design") / "my.toml"))
+    return read_design(write_equal_radii(tmp_path_factory.mktemp("design") / "my.toml"))
 
 
 def recording(bench, motion, offset=0.0, seed=1, noise=0.05):
@@ -124,7 +125,7 @@ def test_factors_between_units_of_torque(factor, unit, likely):
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    write_template("minimal", tmp_path / "my.toml")
+    write_equal_radii(tmp_path / "my.toml")
     return tmp_path
 
 

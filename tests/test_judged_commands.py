@@ -156,7 +156,7 @@ def test_check_says_of_an_empty_file_that_all_values_are_defaults(tmp_path, caps
     assert main(["check", str(path)]) == 0
     said = capsys.readouterr().out
     assert "! warning: no parameter is given: every value is the default of the FMU" in said
-    assert said.splitlines()[-1].endswith("the design works, the FMU starts, 1 warning.")
+    assert said.splitlines()[-1].endswith("the design works, the FMU starts, 2 warnings.")
 
 
 def test_a_motion_away_from_zero_is_good_for_every_command(tmp_path, monkeypatch):

@@ -10,8 +10,8 @@ from fmpy.model_description import read_model_description as read_by_fmpy
 
 from dualcam.errors import FmuError
 from dualcam.fmi import read_model_description
+from dualcam.fmi.binary import binary_folders, library_suffix, platform_tuple
 from dualcam.fmi.model_description import parse_model_description
-from dualcam.fmi.platforms import binary_folders, library_suffix, platform_tuple
 
 FMUS = [*sorted((ROOT / "build").glob("*.fmu")), *sorted((ROOT / "build/fmi3").glob("*.fmu"))]
 XML = sorted((ROOT / "modelDescription").rglob("*.xml"))
@@ -248,9 +248,9 @@ def test_platform_of_this_machine():
 )
 def test_folders_of_other_platforms(monkeypatch, system, machine, pointer, second, third, suffix):
     """The names are those of FMI 2.0, section 2.3, and FMI 3.0, section 2.5.1.4.1."""
-    monkeypatch.setattr("dualcam.fmi.platforms.sys.platform", system)
-    monkeypatch.setattr("dualcam.fmi.platforms.platform.machine", lambda: machine)
-    monkeypatch.setattr("dualcam.fmi.platforms.struct.calcsize", lambda kind: pointer)
+    monkeypatch.setattr("dualcam.fmi.binary.sys.platform", system)
+    monkeypatch.setattr("dualcam.fmi.binary.platform.machine", lambda: machine)
+    monkeypatch.setattr("dualcam.fmi.binary.struct.calcsize", lambda kind: pointer)
     assert binary_folders(2) == second
     assert binary_folders(3) == (third,)
     assert library_suffix() == suffix

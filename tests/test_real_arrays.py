@@ -23,6 +23,9 @@ REFUSED = {
     "dates": (np.array(["2024-01-01"], "datetime64[s]"), r"datetime64\[s\].*t - t\[0\]"),
     "durations of Python": ([datetime.timedelta(seconds=1)], "object, such as datetime.timedelta"),
     "booleans": (np.array([True, False]), "bool: allowed are real numbers"),
+    "a boolean among numbers": ([True, 2.0], "bool: allowed are real numbers. As numbers"),
+    "a boolean in a row": ([[0.5, 1], (2.0, np.True_)], "bool: allowed are real numbers"),
+    "a row of booleans": ([np.array([0.5]), np.array([True])], "bool: allowed are real numbers"),
     "text": (["1.0", "2.0"], "text, such as '1.0': allowed are real numbers"),
     "complex": ([1.0 + 0.0j], "complex128"),
     "objects": ([Decimal("0.1")], "object, such as Decimal"),
@@ -46,6 +49,7 @@ def test_real_numbers_of_any_type():
     for values in (own.astype(np.float32), [0.5, 1], (0.5, 1.0), np.ma.masked_array(own), own[::-1][::-1]):
         assert real_array(values, "x").tolist() == [0.5, 1.0]
     assert real_array(np.array([3, 4], np.uint8), "x").dtype == np.float64
+    assert real_array([[True, 2.0], [False, 3.0]], "x", kinds=TRUTH).tolist() == [[1.0, 2.0], [0.0, 3.0]]
     assert real_array([True, False], "x", kinds=TRUTH).tolist() == [1.0, 0.0]
 
 
@@ -108,6 +112,12 @@ PLACES = {
 def test_no_duration_is_taken_for_numbers(place, wrong):
     with pytest.raises(DualcamError, match="allowed are real numbers"):
         PLACES[place](wrong)
+
+
+@pytest.mark.parametrize("place", [name for name in PLACES if name != "table of a study"])
+def test_no_boolean_is_taken_for_a_number(place):
+    with pytest.raises(DualcamError, match="type bool: allowed are real numbers"):
+        PLACES[place]([True, 2.0, 3.0, 4.0])
 
 
 @pytest.mark.parametrize("wrong", [DURATIONS, list(DURATIONS)])

@@ -137,8 +137,7 @@ def test_inputs_are_complete_with_units(design):
 
 
 def test_axes_of_loads_begin_at_zero(design):
-    from dualcam.plots.design import plot_strength
-    from dualcam.plots.durability import plot_contact
+    from dualcam.plots.design import plot_contact, plot_strength
 
     mechanism = design.mechanism()
     axes = [*plot_strength(mechanism, design.pin).axes, *plot_contact(mechanism, design.pin, 1e9).axes]

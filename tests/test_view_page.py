@@ -297,7 +297,7 @@ def test_scenario_of_a_design_plays(tmp_path, show):
     assert get(page, "tau") == pytest.approx(5.0, abs=0.01)
     page.evaluate("dualcam.run(1.0)")
     assert get(page, "tau") == pytest.approx(5.0, abs=0.01)
-    assert page.title().startswith("Two equal helices")
+    assert page.title().startswith("Two helices of 45 deg")
 
 
 # ---- sliders, mouse, keys ----

@@ -17,8 +17,17 @@ from matplotlib.figure import Figure
 from dualcam.design import Fatigue, HelicalSpring, Pin, Roller, find_springs, line_contact, shear_below
 from dualcam.design_file import DesignFile, read_design
 from dualcam.design_file.durability import spring_fatigue, spring_forces, wear_life, wear_of
-from dualcam.plots.design import BLUE, GREEN, GREY, ORANGE, figure, legend_above
-from dualcam.plots.durability import draw_contact, plot_goodman, plot_wear
+from dualcam.plots.design import (
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    draw_contact,
+    figure,
+    legend_above,
+    plot_goodman,
+    plot_wear,
+)
 
 PAGE = Path(__file__).resolve().parents[1] / "design-quantities.md"
 DPI = 200

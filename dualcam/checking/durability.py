@@ -1,17 +1,15 @@
 """Rules about what lasts: stress and fatigue of the spring, the roller, wear. No rule needs the FMU."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 
-from dualcam.checking.trouble import ERROR, WARNING, Remedy, Trouble, finding_of
-from dualcam.checking.values import shown_beside
+from dualcam.checking.trouble import Remedy, Trouble, shown_beside, trouble
 from dualcam.design import HelicalSpring, Limits, Mechanism, find_springs
 from dualcam.design.helical_spring import INDEX
 from dualcam.design.spring_steel import DYNAMIC_GRADES
 from dualcam.design_file import DesignFile
 from dualcam.design_file.durability import spring_fatigue, spring_forces, wear_life, wear_of
+from dualcam.design_file.findings import ERROR, WARNING
 from dualcam.errors import DesignError
 
 SAME_RATE = 0.03  # relative difference of rates below which both count as equal
@@ -27,9 +25,6 @@ def durability(design: DesignFile, mechanism: Mechanism, propose: bool) -> list[
     return [*_spring(design, mechanism, propose), *_roller(design), *_wear(design, mechanism)]
 
 
-# ---- spring ----
-
-
 def _spring(design: DesignFile, mechanism: Mechanism, propose: bool) -> list[Trouble]:
     spring = design.helical_spring
     least, largest = spring_forces(mechanism)
@@ -38,7 +33,7 @@ def _spring(design: DesignFile, mechanism: Mechanism, propose: bool) -> list[Tro
     found = [_rate(design, spring), _grade(design, spring), _index(design, spring)]
     found += _lengths(design, mechanism, spring)
     found += [_static(design, spring, largest), _fatigue(design, mechanism, spring)]
-    troubles = [trouble for trouble in found if trouble]
+    troubles = [one for one in found if one]
     if propose and (found[-1] or found[-2]):
         troubles[-1] = replace(troubles[-1], hint=_proposal(design, mechanism, spring))
     return troubles
@@ -58,7 +53,7 @@ def _rate(design: DesignFile, spring: HelicalSpring) -> Trouble | None:
     text += f", or helical_spring.active_coils = {coils:.4g}" if coils >= 2.0 else ""
     is_other = abs(spring.rate - stiffness) > OTHER_SPRING * stiffness
     severity = ERROR if is_other else WARNING
-    return Trouble(finding_of(design, "spring rate", "helical_spring.active_coils", text, severity))
+    return trouble(design, "spring rate", "helical_spring.active_coils", text, severity)
 
 
 def _grade(design: DesignFile, spring: HelicalSpring) -> Trouble | None:
@@ -71,7 +66,7 @@ def _grade(design: DesignFile, spring: HelicalSpring) -> Trouble | None:
         f"helical_spring.grade = {spring.grade}: EN 10270-1 has this wire for static duty; write"
         f' grade = "{DYNAMIC_GRADES[spring.grade]}", a wire for dynamic duty'
     )
-    return Trouble(finding_of(design, "spring grade", "helical_spring.grade", text, WARNING))
+    return trouble(design, "spring grade", "helical_spring.grade", text, WARNING)
 
 
 def _index(design: DesignFile, spring: HelicalSpring) -> Trouble | None:
@@ -82,7 +77,7 @@ def _index(design: DesignFile, spring: HelicalSpring) -> Trouble | None:
         f"spring index coil_diameter/wire_diameter = {spring.index:.4g}: a spring coiled cold has {low:g} to"
         f" {high:g} (EN 13906-1)"
     )
-    return Trouble(finding_of(design, "spring index", "helical_spring.coil_diameter", text, WARNING))
+    return trouble(design, "spring index", "helical_spring.coil_diameter", text, WARNING)
 
 
 def _lengths(design: DesignFile, mechanism: Mechanism, spring: HelicalSpring) -> list[Trouble]:
@@ -99,7 +94,7 @@ def _lengths(design: DesignFile, mechanism: Mechanism, spring: HelicalSpring) ->
             f"spring.solid_length = {1e3 * given:.4g} mm: wire and coil of helical_spring give"
             f" {1e3 * spring.solid_length:.4g} mm; write the larger one"
         )
-        found.append(Trouble(finding_of(design, "coil length", "spring.solid_length", text, WARNING)))
+        found.append(trouble(design, "coil length", "spring.solid_length", text, WARNING))
     if free - deflection < spring.least_length:
         is_solid = free - deflection <= spring.solid_length
         text = (
@@ -108,7 +103,7 @@ def _lengths(design: DesignFile, mechanism: Mechanism, spring: HelicalSpring) ->
             f" {1e3 * spring.solid_length:.4g} mm, and the gaps between the coils (EN 13906-1)"
         )
         severity = ERROR if is_solid else WARNING
-        found.append(Trouble(finding_of(design, "spring length", "spring.free_length", text, severity)))
+        found.append(trouble(design, "spring length", "spring.free_length", text, severity))
     critical = spring.buckling_deflection(free)
     if deflection >= critical:
         text = (
@@ -116,7 +111,7 @@ def _lengths(design: DesignFile, mechanism: Mechanism, spring: HelicalSpring) ->
             f" the deflection {1e3 * critical:.4g} mm; full stroke needs {1e3 * deflection:.4g} mm. Write"
             " guided = true below [helical_spring] if a rod or a sleeve guides the spring"
         )
-        found.append(Trouble(finding_of(design, "buckling", "helical_spring.coil_diameter", text, WARNING)))
+        found.append(trouble(design, "buckling", "helical_spring.coil_diameter", text, WARNING))
     return found
 
 
@@ -130,7 +125,7 @@ def _static(design: DesignFile, spring: HelicalSpring, largest: float) -> Troubl
         f" {allowed:.4g} MPa (EN 13906-1); with more"
         " stress the spring sets"
     )
-    return Trouble(finding_of(design, "spring stress", WIRE, text))
+    return trouble(design, "spring stress", WIRE, text)
 
 
 def _fatigue(design: DesignFile, mechanism: Mechanism, spring: HelicalSpring) -> Trouble | None:
@@ -142,7 +137,7 @@ def _fatigue(design: DesignFile, mechanism: Mechanism, spring: HelicalSpring) ->
         f"spring fatigue: between {cycle.lower / 1e6:.4g} and {cycle.upper / 1e6:.4g} MPa the Goodman safety"
         f" is {shown_beside(cycle.safety, limit)}: allowed is {limit:g} or more{default}"
     )
-    return Trouble(finding_of(design, "spring fatigue", WIRE, text))
+    return trouble(design, "spring fatigue", WIRE, text)
 
 
 def _proposal(design: DesignFile, mechanism: Mechanism, spring: HelicalSpring) -> str:
@@ -193,9 +188,6 @@ def _rounded_up(length: float) -> float:
     return float(f"{math.ceil(length / scale - 1e-9) * scale:.4g}")
 
 
-# ---- roller ----
-
-
 def _roller(design: DesignFile) -> list[Trouble]:
     roller = design.roller
     if roller is None:
@@ -208,7 +200,7 @@ def _roller(design: DesignFile) -> list[Trouble]:
         )
         if roller.largest_bearing_friction > 0.0:
             text += f"; the roller rolls with bearing_friction up to {roller.largest_bearing_friction:.4g}"
-        found.append(Trouble(finding_of(design, "roller", "roller.bearing_friction", text, WARNING)))
+        found.append(trouble(design, "roller", "roller.bearing_friction", text, WARNING))
     for key in ("cam1.friction", "cam2.friction"):
         given = design.value(key)
         if abs(given - roller.friction) > SAME_FRICTION * max(given, roller.friction):
@@ -217,11 +209,8 @@ def _roller(design: DesignFile) -> list[Trouble]:
                 f"{key} = {given:.4g}: the roller {motion} with the coefficient {roller.friction:.4g}; write"
                 f" {key} = {roller.friction:.4g}"
             )
-            found.append(Trouble(finding_of(design, "roller friction", key, text, WARNING)))
+            found.append(trouble(design, "roller friction", key, text, WARNING))
     return found
-
-
-# ---- wear ----
 
 
 def _wear(design: DesignFile, mechanism: Mechanism) -> list[Trouble]:
@@ -233,11 +222,10 @@ def _wear(design: DesignFile, mechanism: Mechanism) -> list[Trouble]:
     except DesignError:  # undercut and level grooves have findings of their own
         return []
     if found is None:
-        needed = (
-            "[pin] and cam1.wear, cam2.wear or pin.wear" if design.pin is None else "cam1.wear, cam2.wear"
-        )
+        rates = "cam1.wear, cam2.wear"
+        needed = rates if design.pin else f"[pin] and {rates} or pin.wear"
         text = f"limits.cycles = {limits.cycles:g} is not checked: give {needed}, the specific wear rates"
-        return [Trouble(finding_of(design, "wear unknown", "limits.cycles", text, WARNING))]
+        return [trouble(design, "wear unknown", "limits.cycles", text, WARNING)]
     life = wear_life(design, found)
     if life.cycles >= limits.cycles:
         return []
@@ -246,5 +234,4 @@ def _wear(design: DesignFile, mechanism: Mechanism) -> list[Trouble]:
         f" {shown_beside(life.cycles, limits.cycles, 4)} cycles: allowed is limits.cycles ="
         f" {limits.cycles:.4g} cycles or more"
     )
-    finding = finding_of(design, "wear", "pin.width", text)
-    return [Trouble(finding, (Remedy("pin.width", 0.2),))]
+    return [trouble(design, "wear", "pin.width", text, ERROR, Remedy("pin.width", 0.2))]

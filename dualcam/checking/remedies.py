@@ -1,17 +1,13 @@
 """Values that mend a finding, found by search: only values of a sensible size, and each of them is tried."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from typing import NamedTuple
 
 from dualcam.checking.rules import troubles
-from dualcam.checking.search import nearest_working
-from dualcam.checking.trouble import ERROR, Remedy, Trouble
-from dualcam.checking.values import value_of, with_value
+from dualcam.checking.trouble import Remedy, Trouble, value_of, with_value
 from dualcam.design_file import DesignFile, Finding
+from dualcam.design_file.findings import ERROR
 from dualcam.errors import DualcamError
 from dualcam.fmi.variables import all_parameters
 
@@ -21,31 +17,23 @@ SMALLEST_SHARE = 0.1  # of the range that the file gives
 SMALLEST_LEAD_ANGLE = math.radians(1.0)
 SMALLEST_FRICTION = 0.02  # of a lubricated contact
 LARGEST_FACTOR = {"spring.preload": 3.0, "pin.width": 5.0, "pin.radius": 5.0}
-
-
-class Kinds(NamedTuple):
-    """Kinds of the findings about one design."""
-
-    all: frozenset[str]
-    errors: frozenset[str]
+DIGITS = 4  # of a proposed value
+# Shares of the way to the bound that are tried until one works: denser at both ends.
+SHARES = sorted({(k / 24) ** 2 for k in range(1, 25)} | {1.0 - 0.5**k for k in range(1, 20)})
+HALVINGS = 40
 
 
 class RemedySearch:
     """Searches values for the findings of one design. A value that was tried once is not tried again."""
 
-    def __init__(
-        self, design: DesignFile, found: list[Trouble], refusal: Callable[[DesignFile], str]
-    ) -> None:
+    def __init__(self, design: DesignFile, found: list[Trouble], reason: Callable[[DesignFile], str]) -> None:
         self.design = design
-        self.refusal = refusal  # the FMU's message if it does not start with a design
+        self.refusal = reason  # the FMU's message if it does not start with a design
         self.errors = frozenset(one.finding.kind for one in found if one.finding.severity == ERROR)
-        self._tried: dict[tuple[str, float], Kinds | None] = {}
+        self._tried: dict[tuple[str, float], dict[str, bool] | None] = {}
 
     def mended(self, trouble: Trouble) -> Finding:
-        """The finding with a value that mends it, if there is one.
-
-        A value with which the whole check passes "works": no finding that was an error is left as a warning.
-        Another value removes this finding and makes no new error."""
+        """The finding with a value that "works", so that the whole check passes, or mends it alone."""
         for whole, words in ((True, "works"), (False, "mends this finding, not the others")):
             for remedy in trouble.remedies:
                 value = self._value(trouble.finding, remedy, whole)
@@ -68,24 +56,24 @@ class RemedySearch:
             if not is_sensible(self.design, remedy.key, value):
                 return False
             kinds = self._kinds(remedy.key, value)
-            return kinds is not None and not mended & kinds.all and kinds.errors <= allowed
+            errors = {kind for kind, is_error in (kinds or {}).items() if is_error}
+            return kinds is not None and not mended & kinds.keys() and errors <= allowed
 
         value = nearest_working(float(current), remedy.bound, works)
         if value is not None and whole and self.refusal(with_value(self.design, remedy.key, value)):
             return None
         return value
 
-    def _kinds(self, key: str, value: float) -> Kinds | None:
-        """What is found with another value; None for a design that cannot be."""
+    def _kinds(self, key: str, value: float) -> dict[str, bool] | None:
+        """Kinds of what is found with another value -> whether errors; None for a design that cannot be."""
         place = (key, value)
         if place not in self._tried:
             try:
                 left = [one.finding for one in troubles(with_value(self.design, key, value), locate=False)]
+                severities = sorted((one.kind, one.severity == ERROR) for one in left)  # an error comes last
+                self._tried[place] = dict(severities)
             except DualcamError:
                 self._tried[place] = None
-            else:
-                errors = frozenset(one.kind for one in left if one.severity == ERROR)
-                self._tried[place] = Kinds(frozenset(one.kind for one in left), errors)
         return self._tried[place]
 
 
@@ -114,3 +102,47 @@ def _shown(key: str, value: float) -> str:
         return f'"{1e3 * value:.10g} mm"'
     degrees = f" ({math.degrees(value):.4g} deg)" if unit == "rad" else ""
     return f"{value:.10g}" if unit == "1" else f"{value:.10g} {unit}{degrees}"
+
+
+def nearest_working(current: float, bound: float, works: Callable[[float], bool]) -> float | None:
+    """The value nearest to `current` on the way to `bound` that works, rounded towards `bound`, or None."""
+    last = current
+    for share in SHARES:
+        probe = current + (bound - current) * share
+        if works(probe):
+            edge = _edge(last, probe, 1e-6 * abs(bound - current), works)
+            return _rounded(edge, current, bound, works)
+        last = probe
+    return None
+
+
+def _edge(bad: float, good: float, close: float, works: Callable[[float], bool]) -> float:
+    """The working value next to values that do not work, to `close` or a ten-millionth of the value."""
+    for _ in range(HALVINGS):
+        middle = 0.5 * (bad + good)
+        if middle in (bad, good) or abs(good - bad) <= max(close, 1e-7 * abs(good)):
+            break
+        if works(middle):
+            good = middle
+        else:
+            bad = middle
+    return good
+
+
+def _rounded(edge: float, current: float, bound: float, works: Callable[[float], bool]) -> float:
+    """`edge` with few digits, rounded towards the bound; `edge` itself if no such value works."""
+    for digits in range(DIGITS, 10):
+        rounded = round_away(edge, digits, up=bound > current)
+        within = min(current, bound) <= rounded <= max(current, bound)
+        if within and works(rounded):
+            return rounded
+    return edge
+
+
+def round_away(value: float, digits: int, up: bool) -> float:
+    """`value` to that many digits, up or down."""
+    if value == 0.0:
+        return 0.0
+    unit = 10.0 ** (math.floor(math.log10(abs(value))) - digits + 1)
+    count = math.ceil(value / unit) if up else math.floor(value / unit)
+    return float(f"{count * unit:.{digits}g}")

@@ -1,34 +1,35 @@
-"""What is wrong with a design, found without the FMU: each rule gives findings with a key of the design file.
+"""What is wrong or strange in a design, found without the FMU: findings with a key of the design file.
 
 The geometry and the strength are those of dualcam.design.assess. Here their findings get the keys, and the
 keys whose change can help.
 """
 
-from __future__ import annotations
-
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
 
 from dualcam.checking.durability import durability
-from dualcam.checking.trouble import ERROR, WARNING, Remedy, Trouble, finding_of
-from dualcam.checking.values import value_of
+from dualcam.checking.trouble import Remedy, Trouble, trouble, value_of
 from dualcam.common.groove_laws import CYCLOID, LAWS, PARAMETERS, GrooveLaw
-from dualcam.design import Limits, Mechanism
+from dualcam.design import Limits, Mechanism, torque_band
 from dualcam.design.grooves import ClosedForm
 from dualcam.design.strength import LimitViolation, examine
 from dualcam.design_file import DesignFile, Finding
+from dualcam.design_file.findings import ERROR, WARNING
 from dualcam.errors import DesignError
 
 OF_GROOVES = ("jam", "level", "self-locking", "lead angle", "undercut", "contact pressure")  # kinds
+EQUAL_RADII = "equal radii"  # a kind: a design that is run only may have them
+SAME_RADIUS = 1e-9  # relative difference of radii below which both count as equal
+SLOWEST = 1.0  # s: a cam that takes longer from stop to stop, driven by the torque to load, is strange
+SMALL_TORQUES = {"N.cm": 1e-2, "N.mm": 1e-3}  # N.m
+LARGEST_TORQUE = 20.0  # times the largest torque to load
 
 
 def swap_warning(design: DesignFile, errors: Iterable[str]) -> Finding | None:
-    """A warning if exchanging the grooves of both cams, without radius and friction, removes all errors.
-
-    None where an error, of these kinds, is not about the grooves, such as one of stops or spring."""
+    """A warning if all errors are of grooves and go where the grooves, without radii, are exchanged."""
     if not all(kind.startswith(OF_GROOVES) for kind in errors):
         return None
     grooves = ("profile", *PARAMETERS)
@@ -36,15 +37,14 @@ def swap_warning(design: DesignFile, errors: Iterable[str]) -> Finding | None:
     others = [f"cam{3 - i}.{name}" for i in (1, 2) for name in grooves]
     exchanged = {name: design.value(other) for name, other in zip(names, others, strict=True)}
     swapped = replace(design, parameters=design.parameters | exchanged)
-    if any(trouble.finding.severity == ERROR for trouble in troubles(swapped)):
+    if any(one.finding.severity == ERROR for one in troubles(swapped)):
         return None
     text = "with the grooves of cam 1 and cam 2 exchanged there is no error: are cam 1 and cam 2 swapped?"
     return Finding(WARNING, "cam1", None, text, kind="swapped")
 
 
 def troubles(design: DesignFile, locate: bool = True) -> list[Trouble]:
-    """All errors, and warnings about the geometry, of a design. Without `locate` in less time, the angles in
-    the texts being those of a coarse grid."""
+    """All errors, and warnings about the geometry. Without `locate` faster, with angles of a coarse grid."""
     if early := _stops(design):
         return early
     try:
@@ -54,17 +54,9 @@ def troubles(design: DesignFile, locate: bool = True) -> list[Trouble]:
     limits = design.limits or Limits()
     _, failures = examine(mechanism, design.pin, limits, locate=locate)
     found = [_trouble(design, mechanism, failure) for failure in failures]
-    more: tuple[Callable[[DesignFile, Mechanism], list[Trouble]], ...] = (
-        _solid_length,
-        _start,
-        _imposed,
-        _pin_in_cam,
-    )
-    found += [trouble for rule in more for trouble in rule(design, mechanism)]
+    more = (_solid_length, _start, _imposed, _pin_in_cam, _equal_radii)
+    found += [one for rule in more for one in rule(design, mechanism)]
     return [*found, *durability(design, mechanism, propose=locate)]
-
-
-# ---- stops and what cannot be a mechanism ----
 
 
 def _stops(design: DesignFile) -> list[Trouble]:
@@ -77,17 +69,14 @@ def _stops(design: DesignFile) -> list[Trouble]:
     )
     is_negative = high < 0.0 and -high > low
     hint = f"Is the sign of stop.upper wrong: {-high:.6g} rad?" if is_negative else "Are the stops exchanged?"
-    return [Trouble(finding_of(design, "stops", "stop.upper", text), hint=hint)]
+    return [trouble(design, "stops", "stop.upper", text, hint=hint)]
 
 
 def _impossible(design: DesignFile, error: DesignError) -> Trouble:
     """A groove that its class refuses, such as an ellipse that starts vertical."""
     steep = [f"cam{i}.lead_angle" for i in (1, 2) if "lead_angle" in _law(design, i).parameters]
-    remedies = tuple(Remedy(key, 0.1) for key in steep if value_of(design, key) > 0.1)
-    return Trouble(finding_of(design, "groove", remedies[0].key if remedies else "", str(error)), remedies)
-
-
-# ---- failures of the assessment ----
+    remedies = [Remedy(key, 0.1) for key in steep if value_of(design, key) > 0.1]
+    return trouble(design, "groove", remedies[0].key if remedies else "", str(error), ERROR, *remedies)
 
 
 def _trouble(design: DesignFile, mechanism: Mechanism, failure: LimitViolation) -> Trouble:
@@ -95,19 +84,19 @@ def _trouble(design: DesignFile, mechanism: Mechanism, failure: LimitViolation) 
     if what.endswith(" ends"):
         return _groove_end(design, mechanism, failure)
     if what == "spring force":
-        remedies = [Remedy("spring.preload", 1e3 * (1.0 + abs(failure.value)))]
+        remedy = Remedy("spring.preload", 1e3 * (1.0 + abs(failure.value)))
         hint = "Is the sign of spring.preload wrong?" if design.value("spring.preload") < 0.0 else ""
-        return Trouble(finding_of(design, "spring force", "spring.preload", text), tuple(remedies), hint)
+        return trouble(design, "spring force", "spring.preload", text, ERROR, remedy, hint=hint)
     if what.startswith("both grooves level"):
         laws = _law(design, 1), _law(design, 2)
         hint = "Two cycloids need stop.lower and initial.theta > 0, or another groove law on one cam"
-        finding = finding_of(design, "level", f"cam1.{laws[0].parameters[0]}", text)
-        steeper = (*_steeper(mechanism, 1, 0.8), *_shorter(failure))
-        return Trouble(finding, steeper, hint if laws == (CYCLOID, CYCLOID) else "")
+        key, hint = f"cam1.{laws[0].parameters[0]}", hint if laws == (CYCLOID, CYCLOID) else ""
+        remedies = *_steeper(mechanism, 1, 0.8), *_shorter(failure)
+        return trouble(design, "level", key, text, ERROR, *remedies, hint=hint)
     if what.startswith("jam"):
         return _jam(design, mechanism, text)
     if what in design.parameters:
-        return Trouble(finding_of(design, "limit", what, text))
+        return trouble(design, "limit", what, text)
     return _of_groove(design, mechanism, failure, 2 if what.endswith("2") else 1)
 
 
@@ -115,8 +104,8 @@ def _groove_end(design: DesignFile, mechanism: Mechanism, failure: LimitViolatio
     """A groove that ends before a stop."""
     upper = failure.theta > 0.0 or mechanism.lower >= 0.0
     stop = "stop.upper" if upper else "stop.lower"
-    finding = finding_of(design, "groove end", stop, f"{stop}: {failure.text}")
-    return Trouble(finding, (Remedy(stop, 0.5 * failure.theta),))
+    remedy = Remedy(stop, 0.5 * failure.theta)
+    return trouble(design, "groove end", stop, f"{stop}: {failure.text}", ERROR, remedy)
 
 
 def _shorter(failure: LimitViolation) -> tuple[Remedy, ...]:
@@ -141,7 +130,7 @@ def _jam(design: DesignFile, mechanism: Mechanism, text: str) -> Trouble:
     remedies = [Remedy(f"cam{i}.friction", 0.0) for i in steep if not design.value(f"cam{i}.friction_table")]
     remedies += [one for i in (1, 2) for one in _steeper(mechanism, i, 0.1)]
     key = remedies[0].key if remedies else f"cam{steep[0]}.friction_table"
-    return Trouble(finding_of(design, "jam", key, text), tuple(remedies))
+    return trouble(design, "jam", key, text, ERROR, *remedies)
 
 
 def _of_groove(design: DesignFile, mechanism: Mechanism, failure: LimitViolation, i: int) -> Trouble:
@@ -152,28 +141,22 @@ def _of_groove(design: DesignFile, mechanism: Mechanism, failure: LimitViolation
     if what.startswith("self-locking"):
         remedies = _steeper(mechanism, i, 1.2)
         hint = "If locking is meant, write self_locking = true below [limits]"
-        finding = finding_of(design, f"self-locking {i}", key, text)
         if not design.value(f"cam{i}.friction_table"):
             remedies.append(Remedy(friction, 0.0))
-        return Trouble(finding, (*remedies, *shorter), hint)
+        return trouble(design, f"self-locking {i}", key, text, ERROR, *remedies, *shorter, hint=hint)
     if what.startswith("lead angle"):
         low, high = (design.limits or Limits()).lead_angle
         remedies = _steeper(mechanism, i, 0.5 * (low + high))
         severity = WARNING if design.limits is None else ERROR
-        finding = finding_of(design, f"lead angle {i}", key, text, severity)
-        return Trouble(finding, (*remedies, *shorter))
+        return trouble(design, f"lead angle {i}", key, text, severity, *remedies, *shorter)
     if what.startswith("undercut"):
-        finding = finding_of(design, f"undercut {i}", "pin.radius", text)
-        return Trouble(finding, (Remedy("pin.radius", 1e-6),))
+        return trouble(design, f"undercut {i}", "pin.radius", text, ERROR, Remedy("pin.radius", 1e-6))
     if ("limits", "pressure") not in design.lines and (
         design.limits or Limits()
     ).pressure == Limits().pressure:
         text += "; this limit is the default of limits.pressure"
-    finding = finding_of(design, f"contact pressure {i}", "pin.width", text)
-    return Trouble(finding, (Remedy("pin.width", 0.2), Remedy("spring.preload", 0.0), *shorter))
-
-
-# ---- spring, start, imposed motion ----
+    remedies = [Remedy("pin.width", 0.2), Remedy("spring.preload", 0.0)]
+    return trouble(design, f"contact pressure {i}", "pin.width", text, ERROR, *remedies, *shorter)
 
 
 def _solid_length(design: DesignFile, mechanism: Mechanism) -> list[Trouble]:
@@ -192,7 +175,7 @@ def _solid_length(design: DesignFile, mechanism: Mechanism) -> list[Trouble]:
         f" solid_length = {1e3 * (free - solid):.4g} mm"
     )
     remedies = (Remedy("stop.upper", max(mechanism.lower, 0.0) + 0.01), Remedy("spring.preload", 0.0))
-    return [Trouble(finding_of(design, "solid length", "stop.upper", text), remedies)]
+    return [trouble(design, "solid length", "stop.upper", text, ERROR, *remedies)]
 
 
 def _pin_in_cam(design: DesignFile, mechanism: Mechanism) -> list[Trouble]:
@@ -205,7 +188,28 @@ def _pin_in_cam(design: DesignFile, mechanism: Mechanism) -> list[Trouble]:
         f"pin.radius = {1e3 * pin.radius:.6g} mm: allowed is less than cam{cam}.radius ="
         f" {1e3 * radius:.6g} mm; is the unit of one of both wrong?"
     )
-    return [Trouble(finding_of(design, "pin in cam", "pin.radius", text), (Remedy("pin.radius", 1e-6),))]
+    return [trouble(design, "pin in cam", "pin.radius", text, ERROR, Remedy("pin.radius", 1e-6))]
+
+
+def _equal_radii(design: DesignFile, mechanism: Mechanism) -> list[Trouble]:
+    """Cams of one radius: the wall of each reaches half the pin's width below and above the radius."""
+    inner, outer = sorted(mechanism.radius)
+    if outer - inner > SAME_RADIUS * outer:
+        return []
+    radius = 1e3 * outer
+    walls, apart = "the walls of cam 1 and cam 2", "by wall and clearance, at least the pin's width"
+    if design.pin is not None:
+        half = 500.0 * design.pin.width
+        wall = f"(radius {radius - half:.6g} to {radius + half:.6g} mm)"
+        walls = f"the walls of cam 1 {wall} and cam 2 {wall}"
+        apart = f"by wall and clearance, at least pin.width = {2.0 * half:.6g} mm"
+    text = (
+        f"cam1.radius = cam2.radius = {radius:.6g} mm: equal radii cannot be built, because {walls} overlap"
+        f" and the cams cannot stand inside one another. Give the cams radii that differ {apart}."
+        f" Equal grooves with radii of {0.75 * radius:.4g} and {1.5 * radius:.4g} mm have the same torque and"
+        " stroke"
+    )
+    return [trouble(design, EQUAL_RADII, "cam2.radius", text, WARNING)]
 
 
 def _start(design: DesignFile, mechanism: Mechanism) -> list[Trouble]:
@@ -218,7 +222,7 @@ def _start(design: DesignFile, mechanism: Mechanism) -> list[Trouble]:
         f" {mechanism.upper:.6g} rad"
     )
     middle = 0.5 * (mechanism.lower + mechanism.upper)
-    return [Trouble(finding_of(design, "start", "initial.theta", text), (Remedy("initial.theta", middle),))]
+    return [trouble(design, "start", "initial.theta", text, ERROR, Remedy("initial.theta", middle))]
 
 
 def _imposed(design: DesignFile, mechanism: Mechanism) -> list[Trouble]:
@@ -234,6 +238,88 @@ def _imposed(design: DesignFile, mechanism: Mechanism) -> list[Trouble]:
         f"scenario.inputs.theta reaches {far:.6g} rad: allowed is stop.lower = {mechanism.lower:.6g} rad to"
         f" stop.upper = {mechanism.upper:.6g} rad"
     )
-    key = "scenario.inputs.theta"
     remedy = Remedy("stop.upper" if far > 0.0 else "stop.lower", 1.001 * far)
-    return [Trouble(finding_of(design, "imposed angle", key, text, value=far), (remedy,))]
+    finding = Finding(ERROR, "scenario.inputs.theta", far, text, kind="imposed angle")
+    return [Trouble(finding, (remedy,))]
+
+
+def implausible(design: DesignFile) -> list[Finding]:
+    """Warnings about the moment of inertia, and the torque and times of the scenario."""
+    try:
+        mechanism = design.mechanism()
+        torque = float(np.max(torque_band(mechanism, 61).load))
+    except DesignError:
+        return []
+    if not 0.0 < torque < math.inf:
+        return []
+    found = [
+        _inertia(design, torque, mechanism.upper - mechanism.lower),
+        _torque(design, torque),
+        _late(design),
+        _still(design, mechanism),
+    ]
+    return [finding for finding in found if finding]
+
+
+def _inertia(design: DesignFile, torque: float, angle: float) -> Finding | None:
+    """A cam whose inertia makes it slow: t = sqrt(2 angle inertia/torque), from rest."""
+    inertia = design.value("inertia.shaft")
+    time = math.sqrt(2.0 * angle * inertia / torque)
+    if time <= SLOWEST or "inertia.shaft" not in design.parameters:
+        return None
+    text = (
+        f"inertia.shaft = {inertia:.6g} kg.m2: this looks like kg.cm2; {inertia:.6g} kg.cm2 is"
+        f" {inertia / 1e4:.6g} kg.m2. The largest torque to load, {torque:.4g} N.m, would take {time:.3g} s"
+        " to turn this inertia from stop to stop"
+    )
+    return Finding(WARNING, "inertia.shaft", inertia, text, kind="unit")
+
+
+def _torque(design: DesignFile, torque: float) -> Finding | None:
+    history = design.scenario.inputs.get("tau") if design.scenario else None
+    far = max(history.value, key=abs, default=0.0) if history else 0.0
+    if abs(far) <= LARGEST_TORQUE * torque:
+        return None
+    unit, factor = min(SMALL_TORQUES.items(), key=lambda entry: abs(math.log(abs(far) * entry[1] / torque)))
+    text = (
+        f"scenario.inputs.tau reaches {far:.6g} N.m: this looks like {unit}; {far:.6g} {unit} is"
+        f" {far * factor:.6g} N.m. The largest torque to load is {torque:.4g} N.m"
+    )
+    return Finding(WARNING, "scenario.inputs.tau", far, text, kind="unit")
+
+
+def _late(design: DesignFile) -> Finding | None:
+    """Points of an input after the end of the scenario, which have no effect."""
+    scenario = design.scenario
+    for name, history in scenario.inputs.items() if scenario else ():
+        if scenario and len(history.time) and history.time[-1] > scenario.stop * (1.0 + 1e-9):
+            text = (
+                f"scenario.inputs.{name} has points up to {history.time[-1]:.6g} s, and the scenario ends at"
+                f" stop = {scenario.stop:.6g} s: the later points have no effect"
+            )
+            return Finding(WARNING, f"scenario.inputs.{name}", history.time[-1], text, kind="scenario")
+    return None
+
+
+def _still(design: DesignFile, mechanism: Mechanism) -> Finding | None:
+    """A torque that stays inside the stick band of the start, where the cam is at rest."""
+    scenario = design.scenario
+    if scenario is None or set(scenario.inputs) != {"tau"} or design.value("initial.omega") != 0.0:
+        return None
+    history, start = scenario.inputs["tau"], design.value("initial.theta")
+    if history.shape != "linear" or history.derivative_of:
+        return None
+    inside = [value for time, value in zip(history.time, history.value, strict=True) if time < scenario.stop]
+    acting = [*inside, float(np.interp(scenario.stop, history.time, history.value))]
+    release, load = (float(edge) for edge in mechanism.band(start))
+    at_lower, at_upper = start <= mechanism.lower, start >= mechanism.upper
+    if max(acting) > load and not at_upper:
+        return None
+    if min(acting) < release and not at_lower:
+        return None
+    text = (
+        f"scenario.inputs.tau stays between {min(acting):.6g} and {max(acting):.6g} N.m: the cam never leaves"
+        f" theta = {math.degrees(start):.4g} deg, where {load:.4g} N.m load and below {release:.4g} N.m the"
+        " spring turns the cam back"
+    )
+    return Finding(WARNING, "scenario.inputs.tau", max(acting), text, kind="scenario")

@@ -17,6 +17,7 @@ from dualcam.cli.output import (
     print_table,
     require_folder_of,
     say,
+    say_written,
 )
 
 if TYPE_CHECKING:
@@ -27,14 +28,8 @@ if TYPE_CHECKING:
 SHOWN = ("theta [deg]", "z [mm]", "load [N.m]", "release [N.m]", "efficiency [%]")
 SHOWN_COLUMNS = (0, 2, 4, 3, 5)
 HEADS = (
-    "theta_deg",
-    "theta_rad",
-    "z_mm",
-    "release_N.m",
-    "load_N.m",
-    "efficiency_%",
-    "lead1_deg",
-    "lead2_deg",
+    *("theta_deg", "theta_rad", "z_mm", "release_N.m", "load_N.m"),
+    *("efficiency_%", "lead1_deg", "lead2_deg"),
 )
 
 
@@ -42,9 +37,7 @@ HEADS = (
 @design_file
 @click.option("-o", "--output", type=FILE, help="CSV file for the table.")
 @click.option("--plot", type=FILE, help="Picture of the band (.png, .svg or .pdf).")
-@click.option(
-    "--points", type=click.IntRange(2, 100_000), default=9, show_default=True, help="Number of angles."
-)
+@click.option("--points", type=click.IntRange(2, 100_000), default=9, show_default=True, help="Angles.")
 @anyway
 @as_json
 def command(
@@ -61,9 +54,7 @@ def command(
     from dualcam.plots.design import check_picture, plot_band, save
     from dualcam.report.summary import largest_loads
 
-    for path in (output, plot):
-        if path is not None:
-            require_folder_of(path)
+    require_folder_of(output, plot)
     if plot is not None:
         check_picture(plot)
     design = open_design(design_file, anyway, as_json)
@@ -88,23 +79,18 @@ def command(
     if note := design.friction_note():
         say(note)
     _tell_loads(loads, design)
-    for path in (output, plot):
-        if path is not None:
-            say(f"{path} written")
+    say_written(output, plot)
 
 
 def _largest_for_json(loads: LargestLoads, design: DesignFile) -> dict[str, Any]:
     """In the units of the table's columns."""
-    force, pressure = loads.reaction, loads.pressure
-    found: dict[str, Any] = {"largest_reaction": {"N": force.value, **_place(force)}}
-    found["contacts"] = design.value("contacts")
-    if pressure is not None:
-        found["largest_pressure"] = {"MPa": pressure.value / 1e6, **_place(pressure)}
-    return found
 
+    def of(unit: str, largest: Largest, size: float) -> dict[str, Any]:
+        return {unit: largest.value / size, "theta_deg": math.degrees(largest.theta), "cams": largest.cams}
 
-def _place(largest: Largest) -> dict[str, Any]:
-    return {"theta_deg": math.degrees(largest.theta), "cams": largest.cams}
+    pressure = {} if loads.pressure is None else {"largest_pressure": of("MPa", loads.pressure, 1e6)}
+    reaction = {"largest_reaction": of("N", loads.reaction, 1.0)}
+    return {**reaction, "contacts": design.value("contacts"), **pressure}
 
 
 def _tell_loads(loads: LargestLoads, design: DesignFile) -> None:
@@ -119,19 +105,9 @@ def _tell_loads(loads: LargestLoads, design: DesignFile) -> None:
 
 
 def _rows(band: TorqueBand) -> np.ndarray:
-    lead1, lead2 = np.degrees(band.lead_angle)
-    return np.column_stack(
-        [
-            np.degrees(band.theta),
-            band.theta,
-            1e3 * band.z,
-            band.release,
-            band.load,
-            100.0 * band.efficiency,
-            lead1,
-            lead2,
-        ]
-    )
+    torques = band.release, band.load, 100.0 * band.efficiency
+    angles = np.degrees(band.theta), band.theta, 1e3 * band.z
+    return np.column_stack([*angles, *torques, *np.degrees(band.lead_angle)])
 
 
 def _summary(band: TorqueBand) -> str:

@@ -48,8 +48,7 @@ def _tell(verdict: Verdict, file: Path, friction_note: str) -> None:
 
 
 def tell_findings(verdict: Verdict) -> None:
-    """One line for each finding, with its mark. Where a value looks like another unit, all errors can come
-    from this value: the first line says so."""
+    """One line for each finding, after a line about the units that may be the cause of errors."""
     if verdict.strange_units and verdict.errors:
         say(f"Check the units first: {_units(verdict)}. The errors below can come from there.")
     for finding in verdict.findings:

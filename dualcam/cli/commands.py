@@ -1,7 +1,5 @@
 """The group of all commands. A command's module is imported when that command is asked for."""
 
-from __future__ import annotations
-
 import difflib
 import sys
 import warnings
@@ -68,25 +66,16 @@ def group() -> None:
 
 
 def main(words: Sequence[str] | None = None) -> int:
-    """Run a command.
+    """Run a command; `words` None: those of the process. The result is the exit code: 0 done, and for `check`
+    the design works; 1 the design or the data are refused; 2 wrong use; 130 interrupted."""
+    from dualcam.cli.output import warn
 
-    Parameters
-    ----------
-    words
-        The words after `dualcam`; those of the process where None.
-
-    Returns
-    -------
-    int
-        0: done, and for `check` the design works. 1: the design or the data are refused. 2: wrong use.
-        130: interrupted.
-    """
     given = list(sys.argv[1:] if words is None else words)
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):  # a name that the terminal cannot show is no reason to stop
             stream.reconfigure(errors="backslashreplace")
     with warnings.catch_warnings():
-        warnings.showwarning = _show_warning
+        warnings.showwarning = lambda message, *_, **__: warn(str(message))
         try:
             code = group.main(args=given, prog_name="dualcam", standalone_mode=False)
         except click.ClickException as error:
@@ -125,9 +114,3 @@ def _of_the_system(error: OSError) -> str:
         f"{error.filename} cannot be opened: {error.strerror}. Give another folder, or check the rights of"
         " this one"
     )
-
-
-def _show_warning(message: Warning | str, *_: object, **__: object) -> None:
-    from dualcam.cli.output import warn
-
-    warn(str(message))

@@ -94,9 +94,8 @@ def command(
             " grooves of the design file"
         )
     if (output is None) != (torque is None) and not (torque and exported.files):
-        raise click.UsageError(
-            "-o is the table of a groove for a wanted torque: give --torque and --output together"
-        )
+        text = "-o is the table of a groove for a wanted torque: give --torque and --output together"
+        raise click.UsageError(text)
     if output is not None:
         refuse_to_overwrite(output, force)
     exported.prepare(force)
@@ -105,7 +104,9 @@ def command(
     keeps_groove2 = _keeps_groove2(given, groove2)
     cams = (1,) if keeps_groove2 else (1, 2)
     wanted = None if torque is None else _wanted(torque)
-    _keep_inputs(design, wanted, cams, output, *exported.written_files)
+    made = [] if wanted is None else [f"cam{cam}.table" for cam in cams]
+    data = wanted if isinstance(wanted, Path) else None
+    keep_files_of(design, output, *exported.written_files, data=data, made=made)
     found = None if wanted is None else _designed(given, wanted, direction, keeps_groove2)
     doubts = tuple(warnings_said())
     with _with_groove(design, found, cams) as judged:
@@ -132,15 +133,6 @@ def command(
         _tell(verdict, design_file)
         for doubt in doubts:
             say(f"But first clear up this warning: {doubt}")
-
-
-def _keep_inputs(
-    design: DesignFile, wanted: float | Path | None, cams: tuple[int, ...], *outputs: Path | None
-) -> None:
-    """DualcamError if a result would replace what the command reads: a new groove may replace an old one."""
-    data = wanted if isinstance(wanted, Path) else None
-    made = [] if wanted is None else [f"cam{cam}.table" for cam in cams]
-    keep_files_of(design, *outputs, data=data, made=made)
 
 
 def _verdict(design: DesignFile) -> Verdict:

@@ -1,21 +1,11 @@
 """`dualcam export`: an FMU of a design, with its own name and start values."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 
 import click
 
-from dualcam.cli.options import (
-    anyway,
-    as_json,
-    design_file,
-    example,
-    fmi_version,
-    judge,
-    output_file,
-)
+from dualcam.cli.options import anyway, as_json, design_file, example, fmi_version, judge, output_file
 from dualcam.cli.output import print_json, require_folder_of, say, say_where_it_runs
 
 
@@ -47,7 +37,7 @@ def command(
     from dualcam.design_file import read_design
     from dualcam.export import export_fmu
     from dualcam.export.scenario import FILE, scenario_for
-    from dualcam.fmi.platforms import folders_of
+    from dualcam.fmi.binary import folders_of
 
     require_folder_of(output)
     design = read_design(design_file)

@@ -14,7 +14,7 @@ from dualcam.cli.output import refuse_to_overwrite, say
 from dualcam.errors import DesignError
 
 if TYPE_CHECKING:
-    from dualcam.design import Mechanism
+    from dualcam.design import Mechanism, Pin
     from dualcam.design_file import DesignFile
 
 Command = TypeVar("Command", bound=Callable[..., Any])
@@ -86,9 +86,7 @@ OPTIONS = (
         " pin.width.",
     ),
     _length("--outer-diameter", "Of a solid. Default: twice the radius, and the depth."),
-    _length(
-        "--bore-diameter", "Of a solid. Default: that of the groove's floor, so that the groove is a slot."
-    ),
+    _length("--bore-diameter", "Of a solid. Default: the groove's floor, so that the groove is a slot."),
     _length("--length", "Of a solid, along the axis. Default: the groove and two pin diameters."),
 )
 
@@ -211,24 +209,19 @@ class GrooveExport:
         )
 
     def _pin_radius(self, design: DesignFile) -> float:
-        if self.pin_diameter is not None:
-            return 0.5 * self.pin_diameter
-        if design.pin is None:
-            raise DesignError(
-                f"{design.path} has no [pin]: add radius and width of the pin there, or give"
-                " --pin-diameter '6 mm'"
-            )
-        return design.pin.radius
+        given = _half(self.pin_diameter)
+        return _pin(design, "--pin-diameter '6 mm'").radius if given is None else given
 
     def _depth(self, design: DesignFile) -> float:
-        if self.depth is not None:
-            return self.depth
-        if design.pin is None:
-            raise DesignError(
-                f"{design.path} has no [pin]: add radius and width of the pin there, or give --depth '8 mm',"
-                " the length of the pin on the flank"
-            )
-        return design.pin.width
+        option = "--depth '8 mm', the length of the pin on the flank"
+        return _pin(design, option).width if self.depth is None else self.depth
+
+
+def _pin(design: DesignFile, option: str) -> Pin:
+    if design.pin is None:
+        text = f"{design.path} has no [pin]: add radius and width of the pin there, or give {option}"
+        raise DesignError(text)
+    return design.pin
 
 
 def _half(diameter: float | None) -> float | None:

@@ -17,6 +17,7 @@ from dualcam.cli.output import (
     refuse_to_overwrite,
     require_folder_of,
     say,
+    say_written,
     warn,
 )
 
@@ -89,9 +90,7 @@ def command(
 
     if output is not None and output.resolve() != design_file.resolve():  # which is refused in any case
         refuse_to_overwrite(output, force)
-    for path in (report, plot):
-        if path is not None:
-            require_folder_of(path)
+    require_folder_of(report, plot)
     if report is not None:
         page_path_of(report, "the report")
     if plot is not None:
@@ -115,9 +114,7 @@ def command(
         print_json({**found.as_dict(), "files": {what: path for what, path in files.items() if path}})
         return
     _tell(found)
-    for path in (output, report, plot):
-        if path is not None:
-            say(f"{path} written")
+    say_written(output, report, plot)
 
 
 def _progress(quiet: bool) -> Callable[[str], None]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import asdict, astuple
 from textwrap import fill
 from typing import TYPE_CHECKING
 
@@ -28,9 +28,7 @@ GROUPS = {
     epilog=example("dualcam info", "dualcam info inverse", "dualcam info MyCam.fmu --variables spring --json")
 )
 @click.argument("fmu", default="forward", metavar="[FMU]")
-@click.option(
-    "--fmi", type=click.Choice(["2", "3"]), help="Version of FMI of forward and inverse. Default: 2."
-)
+@click.option("--fmi", type=click.Choice(["2", "3"]), help="FMI version of forward and inverse. Default: 2.")
 @click.option("--variables", default="", metavar="TEXT", help="Only variables whose name contains this text.")
 @click.option("--all", "shows_all", is_flag=True, help="All variables, with their descriptions.")
 @as_json
@@ -44,10 +42,10 @@ def command(fmu: str, fmi: str | None, variables: str, shows_all: bool, as_json:
     The binary of an FMU of this project holds the start values. Other start values in its
     modelDescription.xml are a warning.
     """
-    from dualcam.export.edited import edited_start_values
+    from dualcam.export.start_block import edited_start_values
+    from dualcam.fmi.binary import folders_of
     from dualcam.fmi.library import MODELS, source_path
     from dualcam.fmi.model_description import read_model_description
-    from dualcam.fmi.platforms import folders_of
 
     if fmi is not None and fmu not in MODELS:
         raise click.UsageError(
@@ -101,9 +99,8 @@ def _listed(description: ModelDescription, text: str) -> list[Variable]:
         names = [variable.name for variable in description.variables]
         near = difflib.get_close_matches(text, names, n=3, cutoff=0.5)
         guess = f": did you mean {', '.join(near)}?" if near else "; leave out --variables to see all"
-        raise UnknownVariableError(
-            f"{description.model_name} has no variable with {text!r} in its name{guess}"
-        )
+        text = f"{description.model_name} has no variable with {text!r} in its name{guess}"
+        raise UnknownVariableError(text)
     return listed
 
 
@@ -121,14 +118,10 @@ def _short(variables: Sequence[Variable]) -> str:
 
 def _experiment(experiment: DefaultExperiment) -> str:
     """The given values in words."""
-    words = {
-        "start": (experiment.start_time, " s"),
-        "stop": (experiment.stop_time, " s"),
-        "step": (experiment.step_size, " s"),
-        "tolerance": (experiment.tolerance, ""),
-    }
-    given = [f"{word} {value:g}{unit}" for word, (value, unit) in words.items() if value is not None]
-    return ", ".join(given) or "none"
+    words = zip(
+        ("start", "stop", "step", "tolerance"), astuple(experiment), (" s", " s", " s", ""), strict=True
+    )
+    return ", ".join(f"{word} {value:g}{unit}" for word, value, unit in words if value is not None) or "none"
 
 
 def _head(description: ModelDescription) -> dict[str, str | Sequence[str]]:

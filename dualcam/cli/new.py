@@ -1,7 +1,5 @@
 """`dualcam new`: a design file to start from."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import click

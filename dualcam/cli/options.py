@@ -42,8 +42,7 @@ def open_design(path: Path, anyway: bool, as_json: bool = False) -> DesignFile:
 
 
 def judge(design: DesignFile, anyway: bool, as_json: bool = False) -> None:
-    """DesignFileError with the errors of `dualcam check`; with `anyway` the errors are printed instead.
-    Warnings go to stderr, and with `as_json` the errors too: JSON stands alone on stdout."""
+    """DesignFileError with the errors of `dualcam check`; `anyway` prints them, beside JSON on stderr."""
     from dualcam.checking import check_design
     from dualcam.errors import DesignFileError
 

@@ -22,6 +22,12 @@ def say(text: str) -> None:
     click.echo(text)
 
 
+def say_written(*paths: Path | None) -> None:
+    """A line for each file of a result."""
+    for path in filter(None, paths):
+        say(f"{path} written")
+
+
 def count(number: int, what: str) -> str:
     """Such as "1 error" or "2 errors"."""
     return f"{number} {what}{'s' if number != 1 else ''}"
@@ -43,7 +49,7 @@ def warn(text: str) -> None:
 
 def say_where_it_runs(fmu: Path) -> None:
     """A line where the FMU from which others are made runs on this machine's platform alone."""
-    from dualcam.fmi.platforms import folders_of, is_for_this_platform_alone
+    from dualcam.fmi.binary import folders_of, is_for_this_platform_alone
 
     if is_for_this_platform_alone(fmu):
         say(
@@ -72,29 +78,27 @@ def print_table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
     Console(highlight=False, markup=False).print(table)
 
 
-def require_folder_of(path: Path) -> None:
-    """DualcamError unless the folder of the file `path` exists and `path` is no folder."""
-    if path.is_dir():
-        raise DualcamError(f"{path} is a folder: give the name of a file, such as {path / 'my'}")
-    if not path.resolve().parent.is_dir():
-        raise DualcamError(
-            f"{path}: the folder {path.parent} does not exist: make the folder, or give another"
-        )
+def require_folder_of(*paths: Path | None) -> None:
+    """DualcamError unless the folder of each file exists, and the path is no folder."""
+    for path in filter(None, paths):
+        if path.is_dir():
+            raise DualcamError(f"{path} is a folder: give the name of a file, such as {path / 'my'}")
+        if not path.resolve().parent.is_dir():
+            text = f"{path}: the folder {path.parent} does not exist: make the folder, or give another"
+            raise DualcamError(text)
 
 
 def keep_files_of(
     design: DesignFile, *outputs: Path | None, data: Path | None = None, made: Sequence[str] = ()
 ) -> None:
-    """DualcamError if a result would replace the design file, one of its tables, or measured data.
-
-    `made`: the parameters whose tables the command makes anew."""
+    """DualcamError if a result would replace the design file, its tables but those `made` anew, or `data`."""
     keys = [f"cam{cam}.{table}" for cam in (1, 2) for table in ("table", "friction_table")]
     tables = (design.value(key) for key in keys if key not in made)
     read = {design.path.resolve(), *(Path(table).resolve() for table in tables if table)}
-    for path in outputs:
-        if path is not None and path.resolve() in read:
+    for path in filter(None, outputs):
+        if path.resolve() in read:
             raise DualcamError(f"{path} belongs to the design {design.path}: give the result another name")
-        if path is not None and data is not None and path.resolve() == data.resolve():
+        if data is not None and path.resolve() == data.resolve():
             raise DualcamError(f"{path} is read by this command: give the result another name")
 
 

@@ -1,13 +1,11 @@
 """`dualcam report`: one HTML page about a design."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import click
 
 from dualcam.cli.options import anyway, as_json, design_file, example, open_design, output_file
-from dualcam.cli.output import print_json, require_folder_of, say
+from dualcam.cli.output import print_json, require_folder_of, say_written
 
 
 @click.command(epilog=example("dualcam report my.toml -o my_report.html"))
@@ -27,4 +25,4 @@ def command(design_file: Path, output: Path, anyway: bool, as_json: bool) -> Non
     if as_json:
         print_json({"report": written})
         return
-    say(f"{written} written")
+    say_written(written)

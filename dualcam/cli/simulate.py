@@ -8,7 +8,14 @@ from typing import TYPE_CHECKING
 import click
 
 from dualcam.cli.options import FILE, anyway, as_json, design_file, example, open_design, output_file
-from dualcam.cli.output import keep_files_of, keep_other_tables, print_json, require_folder_of, say
+from dualcam.cli.output import (
+    keep_files_of,
+    keep_other_tables,
+    print_json,
+    require_folder_of,
+    say,
+    say_written,
+)
 
 if TYPE_CHECKING:
     from dualcam.design_file import DesignFile
@@ -25,9 +32,7 @@ SHOWN_FROM = 200_000  # samples from which a bar shows the progress
 @click.option(
     "--variables", default="", metavar="A,B,...", help="Variables to record. Default: the important ones."
 )
-@click.option(
-    "--fmu", type=FILE, help="Another FMU, such as an exported one. Default: the FMU of this package."
-)
+@click.option("--fmu", type=FILE, help="Another FMU, such as an exported one. Default: that of this package.")
 @anyway
 @as_json
 def command(
@@ -47,9 +52,7 @@ def command(
     from dualcam.simulation.run import VARIABLES, checked_format
 
     checked_format(output)
-    for path in (output, plot):
-        if path is not None:
-            require_folder_of(path)
+    require_folder_of(output, plot)
     design = open_design(design_file, anyway, as_json)
     keep_files_of(design, output, plot)
     names = [name.strip() for name in variables.split(",") if name.strip()]
@@ -65,8 +68,7 @@ def command(
         print_json({"output": output, "plot": plot, "samples": len(trajectory.values), "last": last})
         return
     say(f"{output} written: {len(trajectory.values):,} samples of {len(trajectory.names)} columns")
-    if plot is not None:
-        say(f"{plot} written")
+    say_written(plot)
     at_end = [f"{name} = {last[name]:.5g} {unit}" for name, unit in AT_END.items() if name in last]
     if "energy.residual" in last:
         at_end.append(f"residual of the energy balance {residual_words(trajectory)}")
@@ -97,9 +99,8 @@ def _check_plot(path: Path, names: list[str]) -> None:
     check_picture(path)
     missing = [name for name in ("theta", "tau") if names and name not in names]
     if missing:
-        raise DualcamError(
-            f"--plot needs the variables theta and tau: add {', '.join(missing)} to --variables"
-        )
+        text = f"--plot needs the variables theta and tau: add {', '.join(missing)} to --variables"
+        raise DualcamError(text)
 
 
 def _draw(design: DesignFile, trajectory: Trajectory, path: Path) -> None:

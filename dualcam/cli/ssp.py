@@ -1,7 +1,5 @@
 """`dualcam ssp`: an SSP package with the FMU of a design."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import click

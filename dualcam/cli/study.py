@@ -1,7 +1,5 @@
 """`dualcam study`: many runs of an FMU by a plan."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import click
@@ -24,10 +22,7 @@ PLAN = """fmu = "forward"
 
 
 @click.command(
-    epilog=example(
-        "dualcam study plan.toml",
-        "dualcam study my.toml   (a design file with a section [study])",
-    )
+    epilog=example("dualcam study plan.toml", "dualcam study my.toml   (a design file with [study])")
     + f"\n\n\b\nA small plan.toml (docs/use-studies.md explains all keys):\n  {PLAN}"
 )
 @click.argument("plans", nargs=-1, required=True, type=FILE, metavar="PLAN.toml...")
@@ -44,9 +39,7 @@ PLAN = """fmu = "forward"
 )
 @click.option("--scheduler", help="Address of a Dask scheduler to be used instead, such as tcp://host:8786.")
 @click.option("--format", "file_format", type=click.Choice(FORMATS), help="Of the results.")
-@click.option(
-    "--figure", type=FILE, help="One picture of all plots. Default: one per plan, beside the results."
-)
+@click.option("--figure", type=FILE, help="Picture of all plots. Default: one per plan, beside the results.")
 @click.option("--runs-per-file", type=click.IntRange(1), help="Runs in a file of results.")
 @anyway
 def command(

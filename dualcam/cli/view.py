@@ -1,7 +1,5 @@
 """`dualcam view`: the page in which a design lives."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import click

@@ -1,7 +1,5 @@
 """Zip files, such as FMUs and SSP packages, whose bytes depend on their members alone."""
 
-from __future__ import annotations
-
 import io
 import zipfile
 from collections.abc import Mapping
@@ -19,9 +17,7 @@ def read_members(path: Path) -> dict[str, bytes]:
 
 
 def write_archive(path: Path, members: Mapping[str, bytes]) -> None:
-    """Write an archive. The members are stored, since compressed bytes would depend on the version of zlib.
-
-    The build of the project's FMUs, which runs without this package, has a function of the same name."""
+    """Write an archive, stored: compressed bytes would depend on the version of zlib."""
     path.write_bytes(archive_bytes(members))
 
 

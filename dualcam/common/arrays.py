@@ -1,7 +1,5 @@
 """Arrays and numbers that a user hands in: real numbers, or an error that says what was given instead."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -14,6 +12,7 @@ Array = NDArray[np.float64]
 REAL = "fiu"  # kinds of NumPy's types
 TIME, TRUTH = REAL + "m", REAL + "b"
 PLAIN = frozenset((np.ndarray, np.float64, float, int, list, tuple))  # types without units and masks
+BOOLEANS, NUMBERS = frozenset((bool, np.bool_)), frozenset((float, int, np.float64))
 CARRIES_UNIT = ("magnitude", "to_value")  # attributes of the quantities of pint, astropy and unyt
 SECOND = np.timedelta64(1, "s")
 REMEDIES = {  # kind of NumPy's types -> what to do
@@ -30,44 +29,18 @@ def real_array(
     shape: tuple[int, ...] | None = None,
     kinds: str = REAL,
 ) -> Array:
-    """`values` as an array of float64: the same array where it is one, else a new one.
+    """`values` as an array of float64: the same array where it is one. `error` for anything but real numbers.
 
-    Parameters
-    ----------
-    values : array_like
-        Real numbers. Refused are dates, durations, text, booleans, complex numbers, objects, masked values,
-        quantities with a unit, and rows of different lengths, unless `kinds` has them.
-    name : str
-        What the values are, for messages.
-    error : type
-        What is raised.
-    shape : tuple of int, optional
-        The shape that the values must have.
-    kinds : str
-        NumPy's kinds of types that are allowed. "m" for times in s: durations such as timedelta64[ns] become
-        seconds. "b" for values of Boolean variables: True becomes 1.
-
-    Returns
-    -------
-    ndarray of float64
-        Not checked are the limits of values, NaN among them.
-
-    Examples
-    --------
-    >>> real_array(np.array([0, 500], "timedelta64[ms]"), "time", kinds=TIME)
-    array([0. , 0.5])
-    >>> real_array(np.array([0, 500], "timedelta64[ms]"), "theta")
-    Traceback (most recent call last):
-    ...
-    dualcam.errors.DualcamError: theta has elements of type timedelta64[ms]: allowed are real numbers. In \
-seconds they are: t / np.timedelta64(1, 's')
-    """
+    `kinds` are NumPy's kinds of types: with "m" durations become seconds, with "b" True becomes 1."""
     if type(values) not in PLAIN:
         _refuse_what_arrays_leave_out(values, name, error)
     try:
         given = np.asarray(values)
     except Exception as reason:  # rows of different lengths; types of other packages have errors of their own
         raise error(f"{name} is no array of real numbers: {reason}") from None
+    may_mix = "b" in kinds and given.ndim > 1  # a column of booleans beside one of numbers
+    if given.dtype.kind in REAL and not may_mix and _has_boolean(values):
+        raise error(f"{name} has elements of type {_type_of(np.empty(0, bool))}")
     if given.dtype.kind not in kinds:
         raise error(f"{name} has elements of type {_type_of(given)}")
     if shape is not None and given.shape != shape:
@@ -81,6 +54,16 @@ def _refuse_what_arrays_leave_out(values: ArrayLike, name: str, error: type[Dual
         raise error(f"{name} = {values!r:.80} has a unit: allowed are real numbers in the documented unit")
     if np.ma.is_masked(values):
         raise error(f"{name} has masked values: allowed are real numbers. Leave out masked samples")
+
+
+def _has_boolean(values: object) -> bool:
+    """Whether a list has booleans among its numbers, which NumPy makes numbers, too."""
+    if isinstance(values, np.ndarray):
+        return values.dtype.kind == "b"
+    if not isinstance(values, list | tuple):
+        return False
+    types = set(map(type, values))
+    return bool(types & BOOLEANS) or (not types <= NUMBERS and any(map(_has_boolean, values)))
 
 
 def _type_of(given: NDArray[np.generic]) -> str:

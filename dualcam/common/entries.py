@@ -66,9 +66,7 @@ QUANTITY = Kind(
     lambda value: isinstance(value, str) or NUMBER.suits(value),
     _NUMBER_OR_TEXT,
 )
-_VALUE = Kind(
-    "", lambda value: isinstance(value, int | float | str), {"type": ["number", "string", "boolean"]}
-)
+_VALUE = Kind("", lambda one: isinstance(one, int | float | str), {"type": ["number", "string", "boolean"]})
 VALUES = replace(  # true and false are those of a Boolean variable
     _VALUE.listed(), words='a list of numbers, or of texts with a unit such as "40 deg", at least one'
 )

@@ -2,8 +2,14 @@
 
 from __future__ import annotations
 
+import io
+import re
 from collections.abc import Sequence
 from html import escape
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 STYLE = """\
 :root { color-scheme: light dark; --line: #d0d7de; --soft: #57606a; --bad: #cf222e; --warn: #9a6700;
@@ -24,11 +30,11 @@ h3 { margin: 1.4rem 0 0.3rem; font-size: 1rem }
 figure { margin: 1rem 0; background: #fff; border-radius: 6px; padding: 0.4rem; max-width: 34rem }
 figure svg { width: 100%; height: auto }
 """
+NO_METADATA = dict.fromkeys(("Date", "Creator", "Format", "Type"))
 
 
 def page(title: str, kind: str, lead: str, content: str) -> str:
-    """An HTML page. `content` is HTML; the other texts are plain, and `kind` is in the title of the
-    window."""
+    """An HTML page. `content` is HTML; the other texts are plain; `kind` is in the window's title."""
     return f"""\
 <!DOCTYPE html>
 <html lang="en">
@@ -53,3 +59,20 @@ def table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     head = "".join(f"<th>{escape(name)}</th>" for name in heads)
     body = "".join("<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>\n" for row in rows)
     return f'<div class="scroll"><table>\n<tr>{head}</tr>\n{body}</table></div>\n'
+
+
+def figure_element(picture: Figure, title: str, caption: str = "") -> str:
+    """An HTML element `figure`: the picture as SVG, whose ids begin with the title, and an HTML caption."""
+    from matplotlib import rc_context
+
+    text = io.StringIO()
+    with rc_context({"svg.hashsalt": title, "svg.fonttype": "none", "font.family": "sans-serif"}):
+        picture.savefig(text, format="svg", metadata=NO_METADATA)
+    svg = text.getvalue()
+    svg = svg[svg.index("<svg") :].rstrip()
+    mark = re.sub(r"\W+", "-", title.lower())
+    svg = re.sub(r'\bid="', f'id="{mark}-', svg)
+    svg = re.sub(r'(href="#|url\(#)', rf"\g<1>{mark}-", svg)
+    svg = svg.replace("<svg", f'<svg role="img" aria-label="{escape(title)}"', 1)
+    words = f"\n<figcaption>{caption}</figcaption>\n" if caption else ""
+    return f"<figure>{svg}{words}</figure>\n"

@@ -16,15 +16,7 @@ Made = TypeVar("Made")
 
 
 class Findings:
-    """All that is wrong in one stage of the checks of a study.
-
-    Examples
-    --------
-    >>> from dualcam.common.mistakes import Findings
-    >>> findings = Findings()
-    >>> findings.attempt(float, "0.5"), findings.problems
-    (0.5, [])
-    """
+    """All that is wrong in one stage of the checks of a study."""
 
     def __init__(self) -> None:
         self.problems: list[str] = []
@@ -60,9 +52,7 @@ def told_of(path: Path) -> Iterator[None]:
 
 
 def refuse(problems: Iterable[str], where: str = "") -> None:
-    """StudyError with all problems at once, if there are any.
-
-    `where` names the file, and stands before all of them."""
+    """StudyError with all problems at once, if there are any, after `where`, the file."""
     found = list(dict.fromkeys(problems))
     if not found:
         return

@@ -1,7 +1,5 @@
 """Modules that have the name of a command: calling such a module says which function to call."""
 
-from __future__ import annotations
-
 import sys
 from types import ModuleType
 from typing import NoReturn

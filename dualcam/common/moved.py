@@ -17,12 +17,11 @@ P = ParamSpec("P")
 R = TypeVar("R")
 
 _ROOMS = {  # new place -> names of the modules that kept their names
-    "common": "archive arrays html_page module_calls paths process_bound svg unit_guards version",
+    "common": "archive arrays html_page module_calls paths process_bound unit_guards version",
     "control": "bridge forward harmonic_balance hysteresis limit_cycles linear sampled_loop swing",
     "coupling": "held_feedback plant",
     "design_file": "durability",
-    "fmi": "binary continuous_fmu fmi2 fmi3 fmu handle instance library model_description platforms reals"
-    " variables",
+    "fmi": "binary continuous_fmu fmi2 fmi3 fmu handle instance library model_description reals variables",
     "report": "summary",
     "systems.blocks": "systems.axis systems.axis_bank systems.current_loop systems.elementwise"
     " systems.elliptical_cam systems.grease systems.gravity systems.helical_cam systems.impedance"
@@ -35,9 +34,11 @@ _ROOMS = {  # new place -> names of the modules that kept their names
 MOVED = {  # old path -> new path, both below dualcam
     old: f"{room}.{old.rpartition('.')[2]}" for room, names in _ROOMS.items() for old in names.split()
 } | {
-    "durability_plots": "plots.durability",
+    "durability_plots": "plots.design",
+    "platforms": "fmi.binary",
     "report_durability": "report.durability",
     "report_inputs": "report.inputs",
+    "svg": "common.html_page",
 }
 
 NEW_PLACES = {  # old name in dualcam -> its place below dualcam

@@ -1,7 +1,5 @@
 """Paths as arguments of functions, and files that are written wholly or not at all."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
@@ -27,8 +25,7 @@ def page_path_of(path: object, what: str) -> Path:
 
 
 def near_names(name: str, names: Iterable[str], count: int = 1) -> list[str]:
-    """Those of the names of files that `name` may mean: the stems are alike. An ending that many files share
-    makes no names alike."""
+    """Those of the names of files whose stems are like that of `name`, whatever the endings."""
     stem, known = Path(name).stem, sorted(names)
     stems = get_close_matches(stem, {Path(one).stem for one in known}, n=count, cutoff=0.6)
     return get_close_matches(name, [one for one in known if Path(one).stem in stems], n=count, cutoff=0.0)
@@ -36,11 +33,9 @@ def near_names(name: str, names: Iterable[str], count: int = 1) -> list[str]:
 
 @contextmanager
 def whole_file(path: Path) -> Iterator[Path]:
-    """The name of a file to be written, which becomes `path` at the end of the `with` block.
+    """The name of a file to be written, which becomes `path` at the end of the `with` block, or is removed.
 
-    Where the block fails, for example on a full disk, nothing is left of the new file, and a file of that
-    name stays as it was. FileError where the system refuses. A device such as /dev/stdout is written
-    directly."""
+    FileError where the system refuses. A device such as /dev/stdout is written directly."""
     target = path.resolve()
     is_device = target.exists() and not target.is_file()
     unfinished = target if is_device else target.with_name(f".{target.stem}.{os.getpid()}{target.suffix}")

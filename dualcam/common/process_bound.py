@@ -1,7 +1,5 @@
 """What belongs to the process that made it: handles of memory outside Python, and locks."""
 
-from __future__ import annotations
-
 import os
 import threading
 from typing import ClassVar, NoReturn

@@ -1,7 +1,5 @@
 """The base of the schemas of design files and study plans."""
 
-from __future__ import annotations
-
 from pydantic import BaseModel, ConfigDict
 
 

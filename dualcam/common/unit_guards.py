@@ -5,8 +5,6 @@ one. A rule only warns: nothing is refused that could be meant. The same rules s
 of dualcam.design, files of groove tables, and the FMUs themselves (fmu_src/unit_guards.def).
 """
 
-from __future__ import annotations
-
 import csv
 import math
 import re
@@ -39,14 +37,12 @@ class Rule:
     other_unit: str
     per_unit: float  # how many of the other unit make one
 
-    def is_strange(self, value: float) -> bool:
-        """Whether a value is on the strange side of the limit."""
-        return abs(value) > self.limit if self.side == "above" else 0.0 < value < self.limit
-
     def message(self, name: str, value: float) -> str:
-        """The warning for a variable of that name."""
-        unit = "" if self.unit == "1" else f" {self.unit}"
-        meant = value / self.per_unit
+        """The warning for a variable of that name; "" for a value that is not strange."""
+        is_strange = abs(value) > self.limit if self.side == "above" else 0.0 < value < self.limit
+        if not (is_strange and math.isfinite(value)):
+            return ""
+        unit, meant = "" if self.unit == "1" else f" {self.unit}", value / self.per_unit
         return (
             f"{name} = {value:.6g}{unit}: this looks like {self.likely}; {value:.6g} {self.other_unit} is"
             f" {meant:.6g}{unit}"
@@ -67,79 +63,25 @@ RULES = _rules()
 
 
 def unit_warning(name: str, value: object, shown: str = "") -> str | None:
-    """The warning for one value, or None.
-
-    Parameters
-    ----------
-    name : str
-        Name of the FMU's parameter or key of the design file, such as `cam1.radius`.
-    value : object
-        Its value in the FMU's unit; anything but a finite number gets no warning.
-    shown : str
-        The name in the message, if another one.
-
-    Returns
-    -------
-    str or None
-        A sentence with the likely unit and the converted value.
-
-    Examples
-    --------
-    >>> unit_warning("cam1.radius", 18)
-    'cam1.radius = 18 m: this looks like millimetres; 18 mm is 0.018 m'
-    """
+    """The warning for a value in the FMU's unit that looks like another unit, or None."""
     if isinstance(value, bool) or not isinstance(value, int | float | np.number):
         return None
-    number, rules = float(value), RULES.get(re.sub(r"^cam[12]\.", "cam.", name), ())
-    strange = [rule for rule in rules if math.isfinite(number) and rule.is_strange(number)]
-    return strange[0].message(shown or name, number) if strange else None
+    rules = RULES.get(re.sub(r"^cam[12]\.", "cam.", name), ())
+    found = (rule.message(shown or name, float(value)) for rule in rules)
+    return next(filter(None, found), None)
 
 
 def unit_warnings(parameters: Mapping[str, Any]) -> list[str]:
-    """Warnings for parameters that look as if they were given in another unit.
-
-    Parameters
-    ----------
-    parameters : Mapping[str, Any]
-        Names of the FMU's parameters, or keys of the design file, with values in the FMU's units.
-
-    Returns
-    -------
-    list of str
-        One sentence per strange value: name, value, likely unit, converted value.
-
-    Examples
-    --------
-    >>> unit_warnings({"stop.upper": 75.0, "spring.stiffness": 32.0, "cam1.friction": 0.14})[0]
-    'stop.upper = 75 rad: this looks like degrees; 75 deg is 1.309 rad'
-    """
+    """Warnings for parameters, by name, that look as if they were given in another unit."""
     found = (unit_warning(name, value) for name, value in parameters.items())
     return [text for text in found if text]
 
 
 def table_warnings(psi: ArrayLike, z: ArrayLike, radius: float | None = None) -> list[str]:
-    """Warnings for the samples of a groove table.
-
-    Parameters
-    ----------
-    psi : array_like, shape (n,)
-        Angles [rad].
-    z : array_like, shape (n,)
-        Heights [m].
-    radius : float, optional
-        Radius of the cam [m]: with the radius the lead angle is checked too.
-
-    Returns
-    -------
-    list of str
-        One sentence per strange property.
-    """
+    """Warnings for psi [rad] and z [m] of a groove table, shape (n,), on a cam of `radius` [m]."""
     psi, z = np.asarray(psi, dtype=float), np.asarray(z, dtype=float)
     farthest, highest = psi[np.argmax(np.abs(psi))], z[np.argmax(np.abs(z))]
-    found = [
-        unit_warning("table.psi", float(farthest), "psi"),
-        unit_warning("table.z", float(highest), "z"),
-    ]
+    found = [unit_warning("table.psi", float(farthest), "psi"), unit_warning("table.z", float(highest), "z")]
     slope = float(np.max(np.diff(z) / np.diff(psi)))
     if radius is not None and radius > 0.0 and math.atan(slope / radius) > STEEPEST and not any(found):
         lead = math.degrees(math.atan(slope / radius))
@@ -151,25 +93,7 @@ def table_warnings(psi: ArrayLike, z: ArrayLike, radius: float | None = None) ->
 
 
 def torque_factor_warnings(factor: float, unit: str = "N.m") -> list[str]:
-    """A warning where measured torques are so far from expected ones that another unit is likely.
-
-    Parameters
-    ----------
-    factor : float
-        Measured over expected torque.
-    unit : str
-        Unit from which the measured torques were read.
-
-    Returns
-    -------
-    list of str
-        Nothing, or one sentence with the likely unit.
-
-    Examples
-    --------
-    >>> torque_factor_warnings(0.0112, "N.cm")
-    ['The torque is 0.0112 times that of the start values: the column of the torque looks like N.m, not N.cm']
-    """
+    """A warning where measured over expected torque makes another unit of torque likely."""
     if not factor > 0.0 or 1.0 / FOREIGN < factor < FOREIGN:
         return []
     # A torque that is read too large by this factor has a smaller unit.
@@ -190,10 +114,9 @@ def units_checked_before() -> Iterator[None]:
 
 
 def warn_units(values: Mapping[str, tuple[str, object]], stacklevel: int = 4) -> None:
-    """A UnitWarning for each strange value of an object that is being made.
+    """A UnitWarning for each strange value of a new object: `values` is name shown -> (name in RULES, value).
 
-    `values`: by the name in the message, the name in RULES and the value. `stacklevel` is that of
-    warnings.warn; 4 is the caller of a dataclass that calls this function in __post_init__."""
+    `stacklevel` 4 is the caller of a dataclass that calls this in __post_init__."""
     for shown, (name, value) in values.items():
         if text := unit_warning(name, value, shown):
             warnings.warn(UnitWarning(text), stacklevel=stacklevel)

@@ -1,7 +1,5 @@
 """The version of this package."""
 
-from __future__ import annotations
-
 import tomllib
 from importlib import metadata
 from pathlib import Path

@@ -28,26 +28,14 @@ SMALL = ("milli", "micro", "nano")  # prefixes that radian may have
 JOINED = re.compile(r"(?<![A-Za-z])([kmM]?N|[km]?g)([cm]?m)(s?)(?![A-Za-z])")
 UNIT = re.compile(r"[A-Za-zµμ°ºΩ%][A-Za-z0-9µμ°ºΩ%²³^*./·⋅ ()-]*")
 EXAMPLES = {
-    "m": "20 mm",
-    "rad": "45 deg",
-    "N/m": "50 N/mm",
-    "N": "50 N",
-    "kg.m2": "3 kg.cm^2",
-    "N.m": "7 N.m",
-    "s": "10 ms",
-    "Pa": "210 GPa",
-    "kg": "300 g",
-    "rad/s": "30 rpm",
-    "m/s": "10 mm/s",
-    "s/m": "0.5 s/m",
+    "m": "20 mm", "rad": "45 deg", "N/m": "50 N/mm", "N": "50 N", "kg.m2": "3 kg.cm^2", "N.m": "7 N.m",
+    "s": "10 ms", "Pa": "210 GPa", "kg": "300 g", "rad/s": "30 rpm", "m/s": "10 mm/s", "s/m": "0.5 s/m",
     "m3/(N.m)": "1e-6 mm^3/(N.m)",
-}
+}  # fmt: skip
 
 
 def quantity(text: str, unit: str) -> float:
-    """The number that a quantity such as "45 deg" is in `unit`, a unit of the FMU such as "N.s2/m2".
-
-    DesignError, with what is allowed, for a text that is no such quantity."""
+    """The number that a quantity such as "45 deg" is in `unit`. DesignError for any other text."""
     example = f'write for example "{EXAMPLES[unit]}"' if unit in EXAMPLES else ""
     if len(text) > LONGEST:
         raise DesignError(f"a text of {len(text)} characters: allowed is a number with a unit")
@@ -55,15 +43,15 @@ def quantity(text: str, unit: str) -> float:
         raise DesignError(f"a decimal comma: write {text.strip().replace(',', '.', 1)} with a decimal point")
     match = QUANTITY.fullmatch(text)
     if match is None:
-        raise DesignError("; ".join(filter(None, [f"allowed is a number{_in(unit)}", example])))
+        allowed = "allowed is a number" + ("" if unit in ("1", "") else f" in {unit}")
+        raise DesignError("; ".join(filter(None, [allowed, example])))
     number, written = Decimal(match[1]), match[2]
     if not written:
         if unit in ("1", ""):
             raise DesignError(f"a number in quotes: write {match[1]} without quotes")
         usual = EXAMPLES.get(unit, f"1 {unit}").partition(" ")[2]
-        raise DesignError(
-            f'no unit in the quotes: write "{match[1]} {usual}", or {match[1]} without quotes in {unit}'
-        )
+        text = f'no unit in the quotes: write "{match[1]} {usual}", or {match[1]} without quotes in {unit}'
+        raise DesignError(text)
     return _converted(number, written, unit, example)
 
 
@@ -73,10 +61,6 @@ def written_unit(text: str) -> str:
     return match[2] if match else ""
 
 
-def _in(unit: str) -> str:
-    return "" if unit in ("1", "") else f" in {unit}"
-
-
 def _converted(number: Decimal, written: str, unit: str, example: str) -> float:
     target = _parsed(unit)
     if GRAD.search(written):
@@ -84,19 +68,16 @@ def _converted(number: Decimal, written: str, unit: str, example: str) -> float:
             f'unit {written!r} can mean degrees or gon: write "{number} {GRAD.sub("deg", written)}" for'
             f' degrees, or "{number} {GRAD.sub("gon", written)}" for gon (100 gon = 90 deg)'
         )
+    kinds = {"m": "length", "rad": "angle", "1": "a plain number", "N": "force", "s": "time", "kg": "mass"}
+    kind, hint = kinds.get(unit, unit), f"; {example}" if example else ""
     try:
         source = _parsed(written)
     except Exception:  # pint has many, also those of Python's tokenizer
-        hint = f"; {example}" if example else ""
-        raise DesignError(
-            f"unit {written!r} is not known: allowed are units of {_kind(unit)}{hint}"
-        ) from None
+        raise DesignError(f"unit {written!r} is not known: allowed are units of {kind}{hint}") from None
     if _is_huge_angle(source):
         raise DesignError(f"unit {written!r} is not allowed for an angle: allowed are rad, mrad and deg")
-    same = source.dimensionality == target.dimensionality and _turns(source) == _turns(target)
-    if not same:
-        hint = f"; {example}" if example else ""
-        raise DesignError(f"{written} is no unit of {_kind(unit)}: allowed is {unit_words(unit)}{hint}")
+    if source.dimensionality != target.dimensionality or _turns(source) != _turns(target):
+        raise DesignError(f"{written} is no unit of {kind}: allowed is {unit_words(unit)}{hint}")
     try:
         converted = float(_registry().Quantity(number, source).to(target).magnitude)
     except Exception as error:
@@ -107,9 +88,7 @@ def _converted(number: Decimal, written: str, unit: str, example: str) -> float:
 
 
 def si_number(text: str) -> float:
-    """The number that a quantity such as "79 GPa" is in the base unit of the SI: m, kg, s and rad.
-
-    DesignError for a text that is no number with a unit."""
+    """The number that a quantity such as "79 GPa" is in m, kg, s and rad. DesignError for any other text."""
     match = QUANTITY.fullmatch(text) if len(text) <= LONGEST else None
     if match is None or not match[2]:
         raise DesignError('allowed is a number with a unit, such as "79 GPa"')
@@ -117,19 +96,13 @@ def si_number(text: str) -> float:
         base = _registry().Quantity(Decimal(match[1]), _parsed(match[2])).to_base_units()
         return float(base.magnitude)
     except Exception:  # pint has many
-        raise DesignError(
-            f"unit {match[2]!r} is not known: allowed are units such as mm, N/mm, deg"
-        ) from None
+        text = f"unit {match[2]!r} is not known: allowed are units such as mm, N/mm, deg"
+        raise DesignError(text) from None
 
 
 def unit_words(unit: str) -> str:
     """What may stand as the unit of a value."""
     return "a plain number without a unit" if unit in ("1", "") else f"{unit} or a multiple of {unit}"
-
-
-def _kind(unit: str) -> str:
-    kinds = {"m": "length", "rad": "angle", "1": "a plain number", "N": "force", "s": "time", "kg": "mass"}
-    return kinds.get(unit, unit)
 
 
 @cache
@@ -146,14 +119,13 @@ def _parsed(text: str) -> Unit:
         return _registry().Unit("")
     if not UNIT.fullmatch(text) or re.search(r"\d{2}", text):
         raise DesignError(f"unit {text!r}")
-    plain = JOINED.sub(_separated, text.translate(str.maketrans("·⋅.²³μº", "***23µ°")))
+    plain = JOINED.sub(
+        lambda match: "*".join(filter(None, match.groups())),
+        text.translate(str.maketrans("·⋅.²³μº", "***23µ°")),
+    )
     plain = re.sub(r"\s*([*/^])\s*", r"\1", plain.replace("**", "^"))
     plain = re.sub(r"([A-Za-zµ°%)])\^?(-?\d)", r"\1**\2", plain).replace(" ", "*")
     return _registry().parse_units(plain)
-
-
-def _separated(match: re.Match[str]) -> str:
-    return "*".join(filter(None, match.groups()))
 
 
 def _is_huge_angle(unit: Unit) -> bool:

@@ -50,7 +50,7 @@ def read_design(path: str | Path) -> DesignFile:
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     design = read_design(write_template("minimal", Path(folder) / "my.toml"))
     >>> design.parameters["cam1.radius"]
-    0.02
+    0.015
     """
     path = path_of(path, "the design file")
     text = read_text(path)

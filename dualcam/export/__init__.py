@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING
 
 from dualcam.common.module_calls import explain_call_of
 from dualcam.common.moved import old_names
+from dualcam.export.description import model_identifier
 from dualcam.export.exporter import ExportableDesign, export_fmu
-from dualcam.export.names import model_identifier
 
 __all__ = ["ExportableDesign", "export_fmu", "model_identifier"]
 

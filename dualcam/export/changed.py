@@ -1,28 +1,36 @@
 """An FMU of this project with other start values: in the XML, the binaries and the C sources."""
 
-from __future__ import annotations
-
 import hashlib
+import re
+import xml.etree.ElementTree as ET
 from collections.abc import Mapping
 from pathlib import PurePosixPath
 from typing import NamedTuple
 
 from dualcam.errors import ExportError
-from dualcam.export.description import TOKEN, Description, number_text, typed
+from dualcam.export.description import AGAIN, TOKEN, Description, number_text, typed
 from dualcam.export.reference import FOLDER as REFERENCE_FOLDER
-from dualcam.export.related_files import FOLDER as RELATED_FOLDER
-from dualcam.export.related_files import PAGE as RELATED_PAGE
 from dualcam.export.scenario import FILE as SCENARIO_FILE
-from dualcam.export.sources import FOLDER as SOURCES_FOLDER
-from dualcam.export.sources import exported_sources
 from dualcam.export.start_block import MARK, replace_start_values
 from dualcam.fmi.model_description import XML, Scalar
 
-PAGE, BINARIES, RESOURCES = "documentation/index.html", "binaries/", "resources/"
+Members = Mapping[str, bytes]  # of an FMU: name in the archive -> content
+PAGE, BINARIES, RESOURCES, SOURCES = "documentation/index.html", "binaries/", "resources/", "sources/"
+VARIABLES = f"{SOURCES}variables.def"
+NAMED = (f"{SOURCES}identity.h", f"{SOURCES}buildDescription.xml")  # these files name the model
+# Related files (FMI-LS-REF): the documents, the reference result, the smoke test.
+RELATED, RELATED_PAGE = "extra/org.fmi-standard.fmi-ls-ref/", "documentation/fmi-ls-ref.html"
+MANIFEST, SMOKE_TEST = f"{RELATED}fmi-ls-manifest.xml", f"{RELATED}smoke-test.exp"
 # Members that hold the start values, or results of a run from them.
 OF_START_VALUES = (
-    BINARIES, SOURCES_FOLDER, REFERENCE_FOLDER, RELATED_FOLDER, RELATED_PAGE, PAGE, SCENARIO_FILE,
+    BINARIES, SOURCES, REFERENCE_FOLDER, RELATED, RELATED_PAGE, PAGE, SCENARIO_FILE,
 )  # fmt: skip
+# Roles of related files that belong to other start values and another GUID.
+LEFT_OUT = ("parameter", "serialized-state")
+DESCRIPTIONS = {
+    "experiment/smoke-test": "A run of 1 s, with its result",
+    "result": "Result of this FMU itself for the smoke test",
+}
 
 
 class Change(NamedTuple):
@@ -34,14 +42,13 @@ class Change(NamedTuple):
     tables: Mapping[str, bytes]  # file name in the FMU's resources -> content
 
 
-def is_own(members: Mapping[str, bytes]) -> bool:
+def is_own(members: Members) -> bool:
     """Whether the FMU is of this project: its binaries hold the block of start values."""
     return any(name.startswith(BINARIES) and MARK in content for name, content in members.items())
 
 
-def restarted(members: Mapping[str, bytes], values: Mapping[str, float]) -> Mapping[str, bytes]:
-    """An FMU of this project that starts from other values. It keeps its name, and loses pages and results
-    that belong to the former values. The members themselves where they have these values already."""
+def restarted(members: Members, values: Mapping[str, float]) -> Members:
+    """An FMU of this project that starts from other values, without pages and results of the former ones."""
     description = Description(members[XML])
     start = {name: typed(description.variables[name], value) for name, value in values.items()}
     if all(description.variables[name].start == number_text(value) for name, value in start.items()):
@@ -49,7 +56,7 @@ def restarted(members: Mapping[str, bytes], values: Mapping[str, float]) -> Mapp
     return changed_members(members, Change(description.identifier, {}, start, {}))
 
 
-def changed_members(before: Mapping[str, bytes], change: Change) -> dict[str, bytes]:
+def changed_members(before: Members, change: Change) -> dict[str, bytes]:
     """All members but those that a run from the new start values would give."""
     description = Description(before[XML])
     token = TOKEN[description.fmi]
@@ -72,9 +79,7 @@ def _guid(description: bytes, tables: Mapping[str, bytes]) -> str:
     return f"{{{h[:8]}-{h[8:12]}-{h[12:16]}-{h[16:20]}-{h[20:32]}}}"
 
 
-def _binaries(
-    change: Change, before: Mapping[str, bytes], description: Description, guid: str
-) -> dict[str, bytes]:
+def _binaries(change: Change, before: Members, description: Description, guid: str) -> dict[str, bytes]:
     """The binaries for all platforms, under the new name."""
     references = {name: description.variables[name].reference for name in change.start}
     texts = {references[n]: value for n, value in change.start.items() if isinstance(value, str)}
@@ -89,3 +94,56 @@ def _binaries(
             except ExportError as error:
                 raise ExportError(f"{name} of the project's FMU: {error}") from error
     return found
+
+
+def exported_sources(
+    members: Members, names: Mapping[str, str], start: Mapping[str, Scalar]
+) -> dict[str, bytes]:
+    """The members below sources/ with other names and start values."""
+    found = {name: content for name, content in members.items() if name.startswith(SOURCES)}
+    for name in NAMED:
+        if name in found:
+            text = found[name].decode()
+            for old, new in names.items():
+                text = text.replace(old, new)
+            found[name] = text.encode()
+    found[VARIABLES] = _with_start_values(found[VARIABLES].decode(), start).encode()
+    return found
+
+
+def _with_start_values(rows: str, start: Mapping[str, Scalar]) -> str:
+    """variables.def with other values in the column `start`, which is the fourth one after the name."""
+    for name, value in start.items():
+        row = rf'("{re.escape(name)}",\s*(?:PARAMETER|INPUT),\s*\w+,\s*\w+,\s*)("[^"]*"|[^,"]+)(?=,)'
+        match = re.search(row, rows)
+        if match is None:
+            raise ExportError(f"{VARIABLES} without a row of {name}: {AGAIN}")
+        rows = rows[: match.start(2)] + _literal(value) + rows[match.end(2) :]
+    return rows
+
+
+def _literal(value: Scalar) -> str:
+    """A constant in C."""
+    if isinstance(value, str):
+        return f'"{value}"'
+    return str(int(value)) if isinstance(value, bool) else repr(value)
+
+
+def exported_related_files(before: Members, identifier: str, exported: str) -> dict[str, bytes]:
+    """The members of the exported FMU, by name in the archive, from those of the original FMU."""
+    if MANIFEST not in before:
+        return {}
+    ET.register_namespace("fmi-ls", "http://fmi-standard.org/fmi-ls-manifest")
+    root = ET.fromstring(before[MANIFEST])
+    for related in list(root):
+        role = related.attrib["role"]
+        if role.startswith(LEFT_OUT):
+            root.remove(related)
+        related.set("source", related.attrib["source"].replace(identifier, exported))
+        related.set("description", DESCRIPTIONS.get(role, related.attrib["description"]))
+    ET.indent(root)
+    smoke_test = before[SMOKE_TEST].replace(identifier.encode(), exported.encode())
+    return {
+        MANIFEST: ET.tostring(root, encoding="UTF-8", xml_declaration=True) + b"\n",
+        SMOKE_TEST: smoke_test,
+    }

@@ -3,8 +3,6 @@
 Nothing else changes, neither the order of elements nor the model structure.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -49,20 +47,14 @@ class VariableTag:
 
 
 class Description:
-    """A modelDescription.xml of this project.
-
-    Parameters
-    ----------
-    xml
-        The document.
-    """
+    """A modelDescription.xml of this project."""
 
     def __init__(self, xml: bytes) -> None:
         self.xml = xml
         self.tags = _tags(xml)
         self.root = self.tags[0]
         self.fmi = int(self.root.attributes["fmiVersion"][0])
-        self.variables = {v.name: v for v in (_variables_2 if self.fmi == 2 else _variables_3)(self.tags)}
+        self.variables = {v.name: v for v in _variables(self.tags, self.fmi)}
 
     @property
     def identifier(self) -> str:
@@ -86,17 +78,7 @@ class Description:
         return found
 
     def edited(self, root: Mapping[str, str], identifier: str, start: Mapping[str, Scalar]) -> bytes:
-        """The document with other attributes.
-
-        Parameters
-        ----------
-        root
-            Attributes of the root element.
-        identifier
-            New C identifier.
-        start
-            Name of a variable -> start value.
-        """
+        """The document with other attributes of the root, C identifier and start values."""
         edits = [(self.root, dict(root))]
         for tag in self.tags:
             if tag.name in ("CoSimulation", "ModelExchange"):
@@ -124,6 +106,23 @@ def typed(variable: VariableTag, value: Scalar) -> Scalar:
     return {"Real": float, "Integer": int, "Boolean": bool, "String": str}[variable.type](value)
 
 
+def model_identifier(name: str) -> str:
+    """The C identifier of a model, which FMI demands for the names of binaries and functions: `name` with "_"
+    in place of each character that is not allowed, and before a digit at the beginning.
+
+    ExportError for a name without a letter from a to z or digit.
+
+    Examples
+    --------
+    >>> model_identifier("my cam")
+    'my_cam'
+    """
+    if not re.search(r"[A-Za-z0-9]", name):
+        raise ExportError(f"name {name!r}: allowed is a name with at least one letter from a to z or digit")
+    identifier = re.sub(r"[^A-Za-z0-9_]", "_", name)
+    return f"_{identifier}" if identifier[0].isdigit() else identifier
+
+
 def _edited_tag(tag: bytes, attributes: Mapping[str, str]) -> bytes:
     for name, value in attributes.items():
         head, before, rest = tag.partition(f' {name}="'.encode())
@@ -149,30 +148,18 @@ def _tags(xml: bytes) -> list[Tag]:
     return found
 
 
-def _variables_2(tags: list[Tag]) -> list[VariableTag]:
-    """In FMI 2.0 the tag after ScalarVariable has type and start value."""
-    found = []
-    for tag, inner in pairwise(tags):
-        if tag.name == "ScalarVariable":
-            a = tag.attributes
-            unit = inner.attributes.get("unit")
-            found.append(
-                VariableTag(a["name"], int(a["valueReference"]), inner.name, a["causality"], unit, inner)
-            )
-    return found
-
-
-def _variables_3(tags: list[Tag]) -> list[VariableTag]:
-    """In FMI 3.0 the tag is named after the type; the start value of a String has a tag of its own."""
+def _variables(tags: list[Tag], fmi: int) -> list[VariableTag]:
+    """In FMI 2.0 the tag after ScalarVariable has type and start value. In FMI 3.0 the tag of a variable is
+    named after the type, and the start value of a String has a tag of its own."""
     types = {"Float64": "Real", "Int32": "Integer", "Boolean": "Boolean", "String": "String"}
     found = []
-    for tag, inner in zip(tags, [*tags[1:], tags[-1]], strict=True):
-        if tag.name in types:
-            a = tag.attributes
-            place = inner if inner.name == "Start" else tag
-            found.append(
-                VariableTag(
-                    a["name"], int(a["valueReference"]), types[tag.name], a["causality"], a.get("unit"), place
-                )
-            )
+    for tag, inner in pairwise([*tags, tags[-1]]):
+        a = tag.attributes
+        if tag.name == "ScalarVariable":
+            kind, unit, place = inner.name, inner.attributes.get("unit"), inner
+        elif fmi == 3 and tag.name in types:
+            kind, unit, place = types[tag.name], a.get("unit"), inner if inner.name == "Start" else tag
+        else:
+            continue
+        found.append(VariableTag(a["name"], int(a["valueReference"]), kind, a["causality"], unit, place))
     return found

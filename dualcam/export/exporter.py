@@ -1,35 +1,36 @@
 """From a design to its own FMU, without a compiler: the project's FMU with other names and start values."""
 
-from __future__ import annotations
-
 import tempfile
 import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Protocol, runtime_checkable
+from typing import Protocol, runtime_checkable
 
 from dualcam.common.archive import read_members, write_archive
+from dualcam.common.paths import path_of
 from dualcam.common.unit_guards import units_checked_before
 from dualcam.design_file import as_design
 from dualcam.errors import DualcamWarning, ExportError
-from dualcam.export.changed import PAGE, Change, changed_members
-from dualcam.export.curves import START_INPUTS, SlowMotionCurves, slow_motion_curves
-from dualcam.export.description import Description, typed
-from dualcam.export.figures import figures
-from dualcam.export.names import model_identifier, target_path
-from dualcam.export.page import exported_page
-from dualcam.export.reference import Reference, reference_result
-from dualcam.export.related_files import exported_related_files
+from dualcam.export.changed import PAGE, Change, Members, changed_members, exported_related_files
+from dualcam.export.description import Description, model_identifier, typed
+from dualcam.export.page import exported_page, figures
+from dualcam.export.reference import (
+    START_INPUTS,
+    Reference,
+    SlowMotionCurves,
+    reference_result,
+    slow_motion_curves,
+)
 from dualcam.export.scenario import FILE as SCENARIO_FILE
 from dualcam.export.scenario import scenario_for, scenario_table, scenario_text
 from dualcam.fmi.fmu import Fmu
 from dualcam.fmi.library import MODELS, fmu_path
 from dualcam.fmi.model_description import XML, Scalar
 from dualcam.fmi.variables import all_parameters, inputs_of, parameters_of, unused
+from dualcam.scenario.scenario import Scenario
 
-if TYPE_CHECKING:
-    from dualcam.scenario.scenario import Scenario
+SUFFIX = ".fmu"
 
 
 @runtime_checkable
@@ -75,6 +76,11 @@ def export_fmu(
 ) -> Path:
     """Make an FMU whose start values are those of a design. No compiler is needed.
 
+    In the binaries, for all platforms of the project's FMU, only the block with GUID and start values
+    differs: with the same parameters both FMUs compute the same bits. Tables become `cam1.csv` and `cam2.csv`
+    in the FMU's resources, the inputs of a scenario that drives this model `extra/scenario_in.csv`. The same
+    design and name give the same GUID and bytes; the figures depend on the version of Matplotlib.
+
     Parameters
     ----------
     design
@@ -84,9 +90,9 @@ def export_fmu(
     fmi
         Version of FMI, 2 or 3.
     model
-        "forward" or "inverse"; None: as the design says. The inverse FMU lacks `initial.theta` and
-        `initial.omega`: these two become the start values of its inputs `theta` and `omega`. Where the stops
-        exclude theta = 0 and the design has no `initial.theta`, `theta` starts at the nearest stop.
+        "forward" or "inverse"; None: as the design says. In the inverse FMU `initial.theta` and
+        `initial.omega` become the start values of its inputs `theta` and `omega`. Where the stops exclude
+        theta = 0 and the design has no `initial.theta`, `theta` starts at the nearest stop.
 
     Returns
     -------
@@ -104,15 +110,6 @@ def export_fmu(
     -----
     UserWarning
         The stem of `path` is no C identifier: the names of the binaries differ from the model name.
-
-    Notes
-    -----
-    The binaries are those of the project's FMU, for all platforms that it holds. Only the block with GUID and
-    start values differs. So the exported FMU computes bit for bit what the project's FMU computes with the
-    same parameters. Tables become `cam1.csv` and `cam2.csv`
-    in the FMU's resources. The inputs of a scenario that drives this model become `extra/scenario_in.csv`;
-    the FMU's page shows how to play them. The same
-    design and name give the same GUID and the same bytes; the figures depend on the version of Matplotlib.
 
     Examples
     --------
@@ -195,9 +192,8 @@ def _table(name: str, path: str) -> bytes:
     try:
         return Path(path).read_bytes()
     except OSError as error:
-        raise ExportError(
-            f"{name} = {path!r}: the file cannot be read ({error.strerror or error})"
-        ) from error
+        text = f"{name} = {path!r}: the file cannot be read ({error.strerror or error})"
+        raise ExportError(text) from error
 
 
 def _reference(plan: ExportPlan, curves: SlowMotionCurves, trial: Path) -> Reference:
@@ -208,9 +204,7 @@ def _reference(plan: ExportPlan, curves: SlowMotionCurves, trial: Path) -> Refer
         return reference_result(fmu, plan.model, curves)
 
 
-def _members(
-    plan: ExportPlan, original: Path, curves: SlowMotionCurves, reference: Reference
-) -> dict[str, bytes]:
+def _members(plan: ExportPlan, original: Path, curves: SlowMotionCurves, reference: Reference) -> Members:
     """All members of the exported FMU."""
     before = read_members(original)
     members, names = _core_members(plan, before)
@@ -241,3 +235,22 @@ def _core_members(plan: ExportPlan, before: Mapping[str, bytes]) -> tuple[dict[s
     members = changed_members(before, Change(plan.identifier, root, plan.start, plan.tables))
     members |= exported_related_files(before, description.identifier, plan.identifier)
     return members, names
+
+
+def target_path(path: str | Path) -> Path:
+    """The absolute path of the FMU to be written. ExportError for a bad ending, sign or folder."""
+    target = path_of(path, "the FMU").expanduser().absolute()
+    if target.suffix.lower() != SUFFIX or not target.stem.isprintable():
+        text = f"{str(path)!r}: allowed is a file name that ends in {SUFFIX}, such as MyCam{SUFFIX}"
+        raise ExportError(text)
+    try:
+        is_folder, has_folder = target.is_dir(), target.parent.is_dir()
+    except OSError as error:  # as a name that is too long
+        raise ExportError(f"{target} cannot be written: {error.strerror}") from error
+    if is_folder:
+        text = f"{target} is a folder: allowed is the name of a file; remove the folder or choose another"
+        raise ExportError(text)
+    if not has_folder:
+        text = f"the folder {target.parent} does not exist: create it first, or choose another folder"
+        raise ExportError(text)
+    return target

@@ -5,8 +5,6 @@ signature is a list of SHA-256 hashes, one for each page of the file (Apple, cs_
 mach-o/loader.h). A changed page needs a new hash.
 """
 
-from __future__ import annotations
-
 import hashlib
 import struct
 
@@ -26,18 +24,7 @@ def parts(binary: bytes) -> list[tuple[int, int]]:
 
 
 def sign_again(part: bytearray) -> None:
-    """Write the hash of each page of the code for one processor into its signature.
-
-    Parameters
-    ----------
-    part
-        A Mach-O file with 64 bits. Without a signature nothing changes.
-
-    Raises
-    ------
-    ExportError
-        The signature is not one without certificate and with SHA-256 hashes.
-    """
+    """Sign the pages of a 64-bit Mach-O file anew. ExportError but for SHA-256 hashes without certificate."""
     at = _signature(part)
     if at is None:
         return
@@ -75,9 +62,8 @@ def _hash_pages(part: bytearray, directory: int) -> None:
     hashes, _, _, count, limit = struct.unpack_from(">IIIII", part, directory + 16)
     size, kind, _, page_bits = struct.unpack_from(">BBBB", part, directory + 36)
     if kind != SHA256:
-        raise ExportError(
-            f"the signature of the binary for macOS has hashes of type {kind}: allowed is {SHA256}"
-        )
+        text = f"the signature of the binary for macOS has hashes of type {kind}: allowed is {SHA256}"
+        raise ExportError(text)
     page = 1 << page_bits
     for i in range(count):
         content = part[i * page : min((i + 1) * page, limit)]

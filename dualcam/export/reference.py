@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
+import numpy as np
+from numpy.typing import NDArray
+
 from dualcam.errors import ExportError, FmuError
-from dualcam.export.curves import SlowMotionCurves
 from dualcam.export.description import number_text
 from dualcam.fmi.fmu import Fmu
+from dualcam.fmi.model_description import Scalar
+from dualcam.fmi.variables import parameters_of
 
 PERIOD = 0.01  # s
 SHARE_OF_TORQUE = 0.8  # of the largest torque that loads: the run stays below the upper stop
@@ -33,6 +37,16 @@ initialization ends.""",
 }
 
 Rows = list[list[float]]
+Array = NDArray[np.float64]
+
+POINTS = 101
+SLOW = 1e-9  # rad/s: a direction of motion; forces of inertia and damping are below rounding
+STATE = ("gamma", "z", "spring.force", "torque_load", "torque_release", "efficiency")
+STOPS = ("stop.lower", "stop.upper")
+REACTIONS = ("cam1.reaction", "cam2.reaction")
+# Parameters of the forward FMU -> the inputs that take their place in the inverse FMU, which has no state.
+START_INPUTS = {"initial.theta": "theta", "initial.omega": "omega"}
+MOTION = {"theta": 0.0, "omega": 0.0, "alpha": 0.0, "F_ext": 0.0, "shaft.stiffness": 0.0}
 
 
 @dataclass(frozen=True)
@@ -78,22 +92,7 @@ project dualcam holds a result of an independent program.
 
 
 def reference_result(fmu: Fmu, model: str, curves: SlowMotionCurves) -> Reference:
-    """Play the reference run.
-
-    Parameters
-    ----------
-    fmu
-        The exported FMU.
-    model
-        "forward" or "inverse".
-    curves
-        Curves of the design, which give the size of the inputs.
-
-    Raises
-    ------
-    ExportError
-        The FMU fails during the run.
-    """
+    """Play the reference run of the exported FMU. ExportError if the FMU fails."""
     run = {"forward": _forward, "inverse": _inverse}[model]
     try:
         return Reference(model, *run(fmu, curves))
@@ -105,13 +104,7 @@ def _forward(fmu: Fmu, curves: SlowMotionCurves) -> tuple[Rows, Rows]:
     """Load, hold under a force, let go, hold."""
     torque = _rounded(SHARE_OF_TORQUE * curves.largest("torque_load"))
     force = _rounded(SHARE_OF_FORCE * curves.largest("spring.force"))
-    knots = [
-        [0.0, 0.0, 0.0],
-        [0.4, torque, 0.0],
-        [0.5, torque, force],
-        [0.9, 0.0, force],
-        [1.0, 0.0, force],
-    ]
+    knots = [[0.0, 0.0, 0.0], [0.4, torque, 0.0], [0.5, torque, force], [0.9, 0.0, force], [1.0, 0.0, force]]
     group = fmu.reals(*INPUTS["forward"])
     fmu.start()
     results = [_row(fmu, "forward", 0.0)]
@@ -172,3 +165,47 @@ def _table(names: Sequence[str], rows: Rows) -> bytes:
     lines = [",".join(["time", *names])]
     lines += [",".join(map(number_text, row)) for row in rows]
     return ("\n".join(lines) + "\n").encode()
+
+
+@dataclass(frozen=True)
+class SlowMotionCurves:
+    """Slow motion without external force, from stop to stop. NaN: a jam, or an infinite value."""
+
+    theta: Array  # shape (n,) [rad]
+    values: dict[str, Array]  # shape (n,), in the FMU's units
+    reactions: dict[str, Array]  # "loading", "releasing"; shape (2, n) for both cams [N, of one contact]
+
+    def largest(self, name: str) -> float:
+        """The largest magnitude of an entry of `values`; 0 if the entry has no number."""
+        magnitudes = np.abs(self.values[name])
+        return float(np.max(magnitudes[np.isfinite(magnitudes)], initial=0.0))
+
+
+def slow_motion_curves(parameters: Mapping[str, Scalar]) -> SlowMotionCurves:
+    """Curves of a design by its parameters, tables as absolute paths. FmuError if the FMU refuses."""
+    omitted = (*START_INPUTS, "tau")  # tau is an input of the forward FMU alone
+    given = {name: value for name, value in parameters.items() if name not in omitted} | MOTION
+    theta = np.linspace(*_stops(given), POINTS)
+    with Fmu("inverse") as fmu:
+        loading = np.array([_read(fmu, given, angle, SLOW) for angle in theta]).T
+        releasing = np.array([_read(fmu, given, angle, -SLOW) for angle in theta]).T
+    state = np.where(np.isfinite(loading), loading, releasing)[: len(STATE)]
+    values = {name: np.where(np.isfinite(row), row, np.nan) for name, row in zip(STATE, state, strict=True)}
+    reactions = {"loading": loading[len(STATE) :], "releasing": releasing[len(STATE) :]}
+    return SlowMotionCurves(theta, values, reactions)
+
+
+def _stops(given: Mapping[str, Scalar]) -> tuple[float, float]:
+    """Both end stops [rad]: those of the design, else the start values of the FMU."""
+    known = parameters_of("inverse")
+    lower, upper = (float(given.get(name, known[name].start)) for name in STOPS)
+    return lower, upper
+
+
+def _read(fmu: Fmu, given: Mapping[str, Scalar], theta: float, omega: float) -> list[float]:
+    """STATE and REACTIONS at this angle and speed; NaN where the mechanism jams."""
+    try:
+        fmu.start({**given, "theta": float(theta), "omega": omega})
+        return fmu.reals(*STATE, *REACTIONS).read()
+    except FmuError:
+        return [np.nan] * (len(STATE) + len(REACTIONS))

@@ -1,18 +1,13 @@
 """The scenario of a design in its exported FMU: inputs over time as a file, and Python lines that play it."""
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Mapping, Sequence
 from html import escape
-from typing import TYPE_CHECKING
 
 from dualcam.export.description import Scalar, number_text
 from dualcam.fmi.variables import inputs_of
-
-if TYPE_CHECKING:
-    from dualcam.scenario.scenario import Scenario, Step
+from dualcam.scenario.scenario import Scenario, Step
 
 FILE = "extra/scenario_in.csv"
 SAMPLES = 1000  # rows of an input that is no straight line
@@ -44,22 +39,7 @@ def scenario_for(scenario: Scenario | None, model: str) -> Scenario | None:
 
 
 def scenario_table(scenario: Scenario, model: str, start: Mapping[str, Scalar]) -> bytes:
-    """All inputs of the model over time, as CSV that FMPy reads.
-
-    Parameters
-    ----------
-    scenario
-        Histories of inputs of the model.
-    model
-        "forward" or "inverse".
-    start
-        Start values of the FMU, which inputs without a history keep.
-
-    Returns
-    -------
-    bytes
-        Columns time [s] and inputs in the FMU's units, to 12 digits. Two rows of one time are a jump.
-    """
+    """All inputs over time [s] as CSV that FMPy reads, to 12 digits; two rows of one time are a jump."""
     known = inputs_of(model)
     constant = {name: float(start.get(name, variable.start)) for name, variable in known.items()}
     rows = []
@@ -78,9 +58,7 @@ def scenario_table(scenario: Scenario, model: str, start: Mapping[str, Scalar]) 
 def _without_rounding(rows: list[list[float]]) -> list[list[float]]:
     """The rows with 0 for numbers that are rounding: a speed of 1e-16 would have a direction of motion."""
     sizes = [max(map(abs, column)) for column in zip(*rows, strict=True)]
-    return [
-        [x if abs(x) > ROUNDING * size else 0.0 for x, size in zip(row, sizes, strict=True)] for row in rows
-    ]
+    return [[x if abs(x) > ROUNDING * s else 0.0 for x, s in zip(row, sizes, strict=True)] for row in rows]
 
 
 def _steps(scenario: Scenario) -> Sequence[Step]:
@@ -101,17 +79,7 @@ def _at_end(step: Step) -> dict[str, float]:
 
 
 def python_lines(file: str, scenario: Scenario, model: str) -> str:
-    """Six lines of Python that play the scenario in FMPy.
-
-    Parameters
-    ----------
-    file
-        File name of the FMU.
-    scenario
-        The scenario that the FMU holds.
-    model
-        "forward" or "inverse".
-    """
+    """Six lines of Python that play the scenario of the FMU `file` in FMPy."""
     return LINES.format(
         file=json.dumps(file, ensure_ascii=False),
         table=FILE,

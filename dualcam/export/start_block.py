@@ -8,15 +8,16 @@ A mark begins the block. All numbers are little-endian, on every platform of the
 `number` has one place for each value reference. The place of a text holds the index of the text.
 """
 
-from __future__ import annotations
-
 import struct
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 
-from dualcam.errors import ExportError
+from dualcam.errors import DualcamError, ExportError
 from dualcam.export import mach_o
 from dualcam.export.description import AGAIN
+from dualcam.fmi.binary import own_binary
+from dualcam.fmi.model_description import ModelDescription, Variable
 
 MARK = b"dualcam start values, layout 1\n\0"
 HEAD = struct.Struct("<32s4I64s")
@@ -27,27 +28,9 @@ ONE_PART = (b"\x7fELF", b"MZ", mach_o.THIN)  # beginnings of binaries with one b
 def replace_start_values(
     binary: bytes, guid: str, numbers: Mapping[int, float], texts: Mapping[int, str]
 ) -> bytes:
-    """A binary with another GUID and other start values.
+    """A binary with another GUID and other start values, by value reference, for macOS signed again.
 
-    Parameters
-    ----------
-    binary
-        Shared library for Linux, Windows or macOS; for macOS of one processor or of several.
-    guid
-        New GUID (FMI 3.0: instantiation token), up to 63 ASCII characters.
-    numbers, texts
-        Value reference -> start value, in SI units. All other start values stay.
-
-    Returns
-    -------
-    bytes
-        Of the same length, with a valid signature for macOS.
-
-    Raises
-    ------
-    ExportError
-        The binary does not hold the block exactly once for each processor, or a text is too long.
-    """
+    ExportError unless the block is there once for each processor, or for a long text."""
     content = bytearray(binary)
     for begin, size in _parts(binary):
         part = content[begin : begin + size]
@@ -83,23 +66,7 @@ class StartValues:
 
 
 def read_start_values(binary: bytes) -> StartValues | None:
-    """The start values in a binary; of one for several processors, those for the first.
-
-    Parameters
-    ----------
-    binary
-        Shared library for Linux, Windows or macOS.
-
-    Returns
-    -------
-    StartValues or None
-        None: the binary has no block, so it is of another project.
-
-    Raises
-    ------
-    ExportError
-        The binary holds the block more than once, or with another layout.
-    """
+    """The start values in a binary; None without a block. ExportError for another layout or many blocks."""
     if MARK not in binary:
         return None
     begin, size = _parts(binary)[0]
@@ -117,9 +84,7 @@ def _block(part: bytes | bytearray) -> StartValues:
     numbers = struct.unpack_from(f"<{number_count}d", part, at + HEAD.size)
     first_text = at + HEAD.size + 8 * number_count
     places = range(first_text, first_text + text_count * text_size, text_size)
-    texts = tuple(
-        bytes(part[place : place + text_size]).split(b"\0")[0].decode(errors="replace") for place in places
-    )
+    texts = tuple(bytes(part[p : p + text_size]).split(b"\0")[0].decode(errors="replace") for p in places)
     return StartValues(at, text_size, numbers, texts)
 
 
@@ -141,3 +106,30 @@ def _padded(what: str, text: str, size: int) -> bytes:
     if len(content) >= size:
         raise ExportError(f"{what} {text!r} has {len(content)} bytes: allowed are up to {size - 1}")
     return content.ljust(size, b"\0")
+
+
+def edited_start_values(path: Path, description: ModelDescription) -> list[str]:
+    """One sentence for each start value in the XML that is not that of the binary for this machine."""
+    try:
+        binary = own_binary(path, description)
+        block = None if binary is None else read_start_values(binary)
+        return [] if block is None else _differences(description, block)
+    except (DualcamError, IndexError) as error:
+        return [f"the start values in the binary cannot be read: {error}"]
+
+
+def _differences(description: ModelDescription, block: StartValues) -> list[str]:
+    return [
+        f"{variable.name}: modelDescription.xml says {variable.start!r}, but the FMU starts from"
+        f" {_in_words(variable, used)}, the value in its binary: change the design file and export again"
+        for variable in description.variables
+        if variable.start is not None
+        and (used := block.value(variable.value_reference, variable.kind == "string")) != variable.start
+    ]
+
+
+def _in_words(variable: Variable, value: float | str) -> str:
+    """The value by the variable's type."""
+    if isinstance(value, str) or variable.kind == "real":
+        return repr(value)
+    return repr(bool(value) if variable.kind == "boolean" else int(value))

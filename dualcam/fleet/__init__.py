@@ -9,8 +9,8 @@ May import common, fmi.
 from typing import TYPE_CHECKING
 
 from dualcam.common.moved import old_names
+from dualcam.fleet.core import FleetState
 from dualcam.fleet.fleet import Fleet
-from dualcam.fleet.state import FleetState
 
 __all__ = ["Fleet", "FleetState"]
 

@@ -1,9 +1,8 @@
 """A loaded FMU with its instances in C: opened, closed once, and the reasons of failures."""
 
-from __future__ import annotations
-
 import ctypes
 import threading
+import weakref
 from ctypes import POINTER, byref
 from pathlib import Path
 from typing import Any
@@ -11,6 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from dualcam.common.arrays import Array
+from dualcam.common.process_bound import ProcessBound
 from dualcam.errors import FleetError, FmuError
 from dualcam.fleet.native import (
     ALL_FAILED,
@@ -38,8 +39,7 @@ class NotFiniteError(Exception):
 
 
 class Core:
-    """The instances, not yet started. No reference leads from here to the Fleet, so that a dropped Fleet can
-    close this."""
+    """The instances, not yet started. It has no reference to the Fleet: a dropped Fleet can close it."""
 
     def __init__(
         self,
@@ -83,8 +83,7 @@ class Core:
         return self._handle is not None
 
     def close(self) -> None:
-        """Free all instances and the unpacked files, once. Waits for a call of another thread. A forked child
-        only forgets its copy: the threads are in the parent alone."""
+        """Free all instances and files, once, after other threads' calls. A forked child forgets its copy."""
         if not self._unpacked.is_own:
             self._handle = None
             return
@@ -111,8 +110,6 @@ class Core:
                 self.check(failures)
         finally:
             self._lock.release()
-
-    # ---- failures ----
 
     def failed(self) -> NDArray[np.bool_]:
         """Which instances have failed, shape (count,)."""
@@ -141,18 +138,13 @@ class Core:
             return
         reports = POINTER(Report)()
         listed = self._native.fleet_reports(self._handle, byref(reports))
-        reasons = {reports[k].instance: _plain(reports[k].text) for k in range(listed)}
-        reasons = dict(sorted(reasons.items()))
+        texts = {reports[k].instance: reports[k].text.decode(errors="replace") for k in range(listed)}
+        reasons = {instance: text.replace("##", "#") for instance, text in sorted(texts.items())}
         told = "; ".join(f"instance {i}: {reason}" for i, reason in list(reasons.items())[:REASONS_TOLD])
         more = f"; and {failures - REASONS_TOLD} more" if failures > REASONS_TOLD else ""
         head = f"{failures} of {self.count} instances failed: " if failures > 1 else ""
-        instances = tuple(reasons) if failures <= len(reasons) else self._all_failed()
-        raise FleetError(f"{head}{told}{more}", instances, reasons)
-
-    def _all_failed(self) -> tuple[int, ...]:
-        return tuple(int(i) for i in np.flatnonzero(self.failed()))
-
-    # ---- states ----
+        instances = reasons if failures <= len(reasons) else np.flatnonzero(self.failed()).tolist()
+        raise FleetError(f"{head}{told}{more}", tuple(instances), reasons)
 
     def keep_states(self, states: NDArray[np.uintp]) -> int:
         """A key for states that `close` is to free."""
@@ -166,5 +158,23 @@ class Core:
             self._native.fleet_free_states(self._handle, address(states))
 
 
-def _plain(text: bytes) -> str:
-    return text.decode(errors="replace").replace("##", "#")
+class FleetState(ProcessBound):
+    """States of some instances of a fleet, from `Fleet.save`. Freed with the last reference to this.
+
+    Attributes
+    ----------
+    instances : ndarray of bool, shape (count,)
+        The instances whose states these are.
+    """
+
+    _instead = "restore it into its own fleet"
+
+    def __init__(
+        self, core: Core, instances: NDArray[np.bool_], addresses: NDArray[np.uintp], times: Array
+    ) -> None:
+        self.instances, self._core = instances, core
+        self._addresses, self._times = addresses, times
+        weakref.finalize(self, core.forget_states, core.keep_states(addresses))
+
+    def __repr__(self) -> str:
+        return f"<FleetState of {int(self.instances.sum())} instances>"

@@ -1,14 +1,11 @@
 """Thousands of instances of one FMU, stepped by one call."""
 
-from __future__ import annotations
-
 import math
 import weakref
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from ctypes import addressof, byref
 from pathlib import Path
-from types import TracebackType
 from typing import Any, Self
 
 import numpy as np
@@ -18,23 +15,22 @@ from dualcam.common.arrays import Array, number_of, positive_number, real_array
 from dualcam.common.process_bound import ProcessBound
 from dualcam.common.unit_guards import warn_units
 from dualcam.errors import FleetError, FmuError, UnknownVariableError
-from dualcam.fleet.arguments import (
+from dualcam.fleet.core import Core, FleetState, NotFiniteError
+from dualcam.fleet.native import GETTERS, Ports, address, pointer_to
+from dualcam.fleet.values import (
+    NUMBERS,
+    FleetValue,
+    Layout,
     chosen_instances,
     output_buffer,
-    relative_tolerance,
     steps_of,
     whole_number,
 )
-from dualcam.fleet.core import Core, NotFiniteError
-from dualcam.fleet.native import Ports, address, pointer_to
-from dualcam.fleet.state import FleetState
-from dualcam.fleet.values import NUMBERS, FleetValue, Layout
 from dualcam.fmi.handle import OWN_NAMES, names_of, unknown_variable
 from dualcam.fmi.library import source_path
 from dualcam.fmi.model_description import Variable, read_model_description
 
 MOST_THREADS = 256
-GETTERS = {"real": "fleet_get_reals", "integer": "fleet_get_integers", "boolean": "fleet_get_booleans"}
 
 
 class Fleet(ProcessBound):
@@ -73,14 +69,8 @@ class Fleet(ProcessBound):
     ------
     FleetError
         The FMU refuses a start value of an instance.
-    UnknownVariableError
-        The FMU has no variable of a name.
     FmuError
-        Another argument is wrong, or the FMU is not of FMI 2.0 or has no co-simulation.
-
-    See Also
-    --------
-    dualcam.Fmu : One instance, of FMI 2.0 or FMI 3.0.
+        An argument is wrong (UnknownVariableError: a name), or the FMU has no co-simulation of FMI 2.0.
 
     Examples
     --------
@@ -112,9 +102,8 @@ class Fleet(ProcessBound):
     ) -> None:
         self.path = source_path(fmu)
         self.count = whole_number(count, "count", "a whole number > 0", math.inf)
-        self.threads = whole_number(
-            threads, "threads", f"a whole number from 1 to {MOST_THREADS}", MOST_THREADS
-        )
+        allowed = f"a whole number from 1 to {MOST_THREADS}"
+        self.threads = whole_number(threads, "threads", allowed, MOST_THREADS)
         self.description = read_model_description(self.path)
         if self.description.fmi_major != 2:
             raise FmuError(f"{self.path} is of FMI {self.description.fmi_version}: allowed is FMI 2.0")
@@ -129,7 +118,8 @@ class Fleet(ProcessBound):
         self._ports = Ports(*sizes, *(address(references) for references in self._references))
         self._ports_address = addressof(self._ports)
         start_time = number_of(time, "time")
-        relative = relative_tolerance(tolerance)
+        allowed = "a finite number > 0, or None"
+        relative = 0.0 if tolerance is None else positive_number(tolerance, "tolerance", allowed)
         parameters = {} if parameters is None else parameters
         layout = self._layout(parameters)  # refuses wrong values before an instance is made
         self._warn_units(parameters)
@@ -146,9 +136,7 @@ class Fleet(ProcessBound):
         self._core.times()  # an error where the fleet is closed
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *exception: object) -> None:
         self.close()
 
     def __len__(self) -> int:
@@ -202,8 +190,7 @@ class Fleet(ProcessBound):
         FmuError
             A wrong shape or type, or a value that is not finite: no instance made the step.
         """
-        size = step if h is None else h
-        return self._roll(u, (self.count, len(self.inputs)), 1, size, out, (self.count, len(self.outputs)))
+        return self._roll(u, (), step if h is None else h, out)
 
     def rollout(
         self, u: ArrayLike, step: float | None = None, out: Array | None = None, *, h: float | None = None
@@ -222,14 +209,7 @@ class Fleet(ProcessBound):
         Returns
         -------
         ndarray, shape (count, steps, m)
-            Outputs after each step.
-
-        Raises
-        ------
-        FleetError
-            An instance failed. Its outputs are NaN from that step on; the others made all steps.
-        FmuError
-            A wrong shape or type, or a value that is not finite: no instance made a step.
+            Outputs after each step; NaN from the step on in which an instance failed.
 
         Examples
         --------
@@ -241,28 +221,19 @@ class Fleet(ProcessBound):
         ...     fleet.rollout(torque, 1e-3)[:, -1].round(3).tolist()  # rad, rad/s
         [[1.206, 9.05], [0.7, -5.543]]
         """
-        steps = steps_of(u)
-        wanted = (self.count, steps, len(self.inputs))
-        size = step if h is None else h
-        return self._roll(u, wanted, steps, size, out, (self.count, steps, len(self.outputs)))
+        return self._roll(u, (steps_of(u),), step if h is None else h, out)
 
-    def _roll(
-        self,
-        u: ArrayLike,
-        shape: tuple[int, ...],
-        steps: int,
-        step: float | None,
-        out: Array | None,
-        wanted: tuple[int, ...],
-    ) -> Array:
+    def _roll(self, u: ArrayLike, steps: tuple[int, ...], step: float | None, out: Array | None) -> Array:
+        """Steps of all instances. `steps`: the shape of one column of inputs of one instance."""
+        shape = (self.count, *steps, len(self.inputs))
         inputs = np.ascontiguousarray(real_array(u, "u", FmuError, shape))
         if type(step) is not float or not 0.0 < step < math.inf:
             step = positive_number(step, "step", "a finite number > 0, in s")
+        wanted = (self.count, *steps, len(self.outputs))
         outputs = np.empty(wanted) if out is None else output_buffer(out, wanted)
+        buffers = pointer_to(inputs), math.prod(steps), step, pointer_to(outputs)
         try:
-            self._core.call(
-                "fleet_roll", self._ports_address, pointer_to(inputs), steps, step, pointer_to(outputs)
-            )
+            self._core.call("fleet_roll", self._ports_address, *buffers)
         except FleetError as error:
             error.outputs = outputs
             raise
@@ -280,40 +251,20 @@ class Fleet(ProcessBound):
             " finite numbers; no instance was stepped"
         )
 
-    # ---- runs, values, states ----
-
     def reset(
-        self,
-        instances: ArrayLike | None = None,
-        parameters: Mapping[str, FleetValue] | None = None,
+        self, instances: ArrayLike | None = None, parameters: Mapping[str, FleetValue] | None = None
     ) -> None:
         """Begin a new run of some instances, at the start time.
+
+        FleetError where the FMU refuses a start value of an instance: no instance was reset. Where the FMU
+        cannot save its state, that instance fails, and the others have begun a new run.
 
         Parameters
         ----------
         instances : array_like of int or of bool with shape (count,), optional
             Numbers of the instances, or which instances. Default: all.
         parameters : mapping of str to value, optional
-            Start values that replace earlier ones of these instances: one value, or an array of shape
-            (count,).
-
-        Raises
-        ------
-        FleetError
-            The FMU refuses a start value of an instance: no instance was reset. Where the FMU cannot save its
-            state, that instance fails, and the others have begun a new run.
-        FmuError
-            A wrong argument: no instance was reset.
-
-        Examples
-        --------
-        >>> import numpy as np
-        >>> from dualcam import Fleet
-        >>> with Fleet("forward", 3) as fleet:
-        ...     before = fleet.step([[8.0], [9.0], [10.0]], 0.02)  # N.m, s
-        ...     fleet.reset([1], {"initial.theta": 0.5})
-        ...     fleet.get("theta").round(3).tolist()  # rad
-        [0.656, 0.5, 0.835]
+            Start values that replace earlier ones of these instances: one value, or of shape (count,).
         """
         chosen = chosen_instances(instances, self.count)
         merged = self._merged(parameters or {}, chosen)
@@ -346,6 +297,9 @@ class Fleet(ProcessBound):
     def set(self, name: str, values: FleetValue, instances: ArrayLike | None = None) -> None:
         """Set one variable in some instances: inputs and tunable parameters.
 
+        FleetError where the FMU refuses the value of an instance: no instance has a new value. Where the FMU
+        cannot save its state, that instance fails, and the others have their values.
+
         Parameters
         ----------
         name : str
@@ -354,12 +308,6 @@ class Fleet(ProcessBound):
             In the variable's unit.
         instances : array_like of int or of bool with shape (count,), optional
             Numbers of the instances, or which instances. Default: all.
-
-        Raises
-        ------
-        FleetError
-            The FMU refuses the value of an instance: no instance has a new value. Where the FMU cannot save
-            its state, that instance fails, and the others have their values.
         """
         layout = Layout([self._variable(name)], {name: values}, self.count)
         self._change("fleet_set", layout, chosen_instances(instances, self.count))
@@ -377,7 +325,7 @@ class Fleet(ProcessBound):
             raise
 
     def save(self, instances: ArrayLike | None = None) -> FleetState:
-        """The whole state of some instances now.
+        """The whole state of some instances now. FmuError where the FMU cannot save its state.
 
         Parameters
         ----------
@@ -388,11 +336,6 @@ class Fleet(ProcessBound):
         -------
         FleetState
             For `restore` of this fleet.
-
-        Raises
-        ------
-        FmuError
-            The FMU cannot save its state.
         """
         if not self._can_save_state:
             raise FmuError(f"{self.path} cannot save its state: canGetAndSetFMUstate is not set")
@@ -403,7 +346,7 @@ class Fleet(ProcessBound):
         return state
 
     def restore(self, state: FleetState, instances: ArrayLike | None = None) -> None:
-        """Go back to saved states, with their times.
+        """Go back to saved states, with their times. FmuError for a state of another fleet.
 
         Parameters
         ----------
@@ -411,30 +354,10 @@ class Fleet(ProcessBound):
             From `save` of this fleet.
         instances : array_like of int or of bool with shape (count,), optional
             Which of the saved instances. Default: all of them.
-
-        Raises
-        ------
-        FmuError
-            `state` is of another fleet, or does not have the state of an instance.
-
-        Examples
-        --------
-        >>> import numpy as np
-        >>> from dualcam import Fleet
-        >>> with Fleet("forward", 2) as fleet:
-        ...     start = fleet.save()
-        ...     moved = fleet.step([[8.0], [9.0]], 0.02)  # N.m, s
-        ...     fleet.restore(start, [0])
-        ...     fleet.times.tolist(), fleet.get("theta").round(3).tolist()  # s, rad
-        ([0.0, 0.02], [0.0, 0.746])
         """
         if not isinstance(state, FleetState) or state._core is not self._core:
             raise FmuError(f"restore({state!r}): allowed is a FleetState from save of this fleet")
-        chosen = (
-            chosen_instances(instances, self.count)
-            if instances is not None
-            else state.instances.astype(np.uint8)
-        )
+        chosen = chosen_instances(state.instances if instances is None else instances, self.count)
         missing = np.flatnonzero(chosen.astype(bool) & ~state.instances)
         if missing.size:
             raise FmuError(f"the state of instance {missing[0]} was not saved: save had other instances")
@@ -448,14 +371,11 @@ class Fleet(ProcessBound):
         interface = self.description.co_simulation
         return interface is not None and interface.can_save_state
 
-    # ---- arguments ----
-
     def _variable(self, name: str) -> Variable:
         variable = self._variables.get(name) if isinstance(name, str) else None
         if variable is None:
-            raise UnknownVariableError(
-                unknown_variable(str(name), list(self._variables), self.description.model_name)
-            )
+            text = unknown_variable(str(name), list(self._variables), self.description.model_name)
+            raise UnknownVariableError(text)
         return variable
 
     def _real_references(self, names: Iterable[str]) -> NDArray[np.uintc]:

@@ -1,7 +1,5 @@
 """The library of the C loops, dualcam/fleet/fleet.h and runs.h: its structs and functions for ctypes."""
 
-from __future__ import annotations
-
 import ctypes
 from collections.abc import Callable
 from ctypes import POINTER, byref, c_char, c_char_p, c_double, c_int, c_long, c_size_t, c_uint, c_void_p
@@ -15,24 +13,14 @@ from dualcam.errors import FmuError
 from dualcam.fmi.library import fleet_library_path
 
 TEXT = 512  # FLEET_TEXT
+GETTERS = {"real": "fleet_get_reals", "integer": "fleet_get_integers", "boolean": "fleet_get_booleans"}
 FATAL, NOT_FINITE, ALL_FAILED = -1, -2, -3  # FLEET_FATAL, FLEET_NOT_FINITE, FLEET_ALL_FAILED
 
 # Members of FleetFunctions, in order
 FUNCTIONS = (
-    "fmi2Instantiate",
-    "fmi2FreeInstance",
-    "fmi2SetupExperiment",
-    "fmi2EnterInitializationMode",
-    "fmi2ExitInitializationMode",
-    "fmi2Reset",
-    "fmi2SetReal",
-    "fmi2SetInteger",
-    "fmi2SetBoolean",
-    "fmi2SetString",
-    "fmi2GetReal",
-    "fmi2GetInteger",
-    "fmi2GetBoolean",
-    "fmi2DoStep",
+    *("fmi2Instantiate", "fmi2FreeInstance", "fmi2SetupExperiment", "fmi2EnterInitializationMode"),
+    *("fmi2ExitInitializationMode", "fmi2Reset", "fmi2SetReal", "fmi2SetInteger", "fmi2SetBoolean"),
+    *("fmi2SetString", "fmi2GetReal", "fmi2GetInteger", "fmi2GetBoolean", "fmi2DoStep"),
 )
 STATE_FUNCTIONS = ("fmi2GetFMUstate", "fmi2SetFMUstate", "fmi2FreeFMUstate")
 
@@ -47,11 +35,8 @@ class Experiment(ctypes.Structure):
     """FleetExperiment."""
 
     _fields_ = (
-        ("model", c_char_p),
-        ("guid", c_char_p),
-        ("resources", c_char_p),
-        ("start_time", c_double),
-        ("tolerance", c_double),
+        *((name, c_char_p) for name in ("model", "guid", "resources")),
+        *((name, c_double) for name in ("start_time", "tolerance")),
     )
 
 
@@ -69,10 +54,8 @@ class Ports(ctypes.Structure):
     """FleetPorts."""
 
     _fields_ = (
-        ("input_count", c_size_t),
-        ("output_count", c_size_t),
-        ("input_references", c_void_p),
-        ("output_references", c_void_p),
+        *((name, c_size_t) for name in ("input_count", "output_count")),
+        *((name, c_void_p) for name in ("input_references", "output_references")),
     )
 
 
@@ -86,15 +69,10 @@ class RunsCall(ctypes.Structure):
     """RunsCall."""
 
     _fields_ = (
-        ("kind", c_int),
-        ("has_tolerance", c_int),
-        ("function", c_void_p),
-        ("references", c_void_p),
-        ("orders", c_void_p),
+        *((name, c_int) for name in ("kind", "has_tolerance")),
+        *((name, c_void_p) for name in ("function", "references", "orders")),
         ("count", c_size_t),
-        ("numbers", c_void_p),
-        ("target", c_void_p),
-        ("values", c_void_p),
+        *((name, c_void_p) for name in ("numbers", "target", "values")),
         ("line_size", c_size_t),
     )
 
@@ -109,17 +87,12 @@ SIGNATURES = {
     "fleet_open": (c_void_p, (POINTER(Functions), POINTER(Experiment), c_size_t, c_uint)),
     "fleet_close": (None, (c_void_p,)),
     "fleet_instantiate": (c_long, (c_void_p,)),
-    "fleet_start": (c_long, (c_void_p, POINTER(Values), c_void_p)),
-    "fleet_set": (c_long, (c_void_p, POINTER(Values), c_void_p)),
-    "fleet_get_reals": (c_long, (c_void_p, c_uint, c_void_p)),
-    "fleet_get_integers": (c_long, (c_void_p, c_uint, c_void_p)),
-    "fleet_get_booleans": (c_long, (c_void_p, c_uint, c_void_p)),
+    **dict.fromkeys(("fleet_start", "fleet_set"), (c_long, (c_void_p, POINTER(Values), c_void_p))),
+    **dict.fromkeys(GETTERS.values(), (c_long, (c_void_p, c_uint, c_void_p))),
     "fleet_roll": (c_long, (c_void_p, c_void_p, c_void_p, c_size_t, c_double, c_void_p)),
-    "fleet_save": (c_long, (c_void_p, c_void_p, c_void_p, c_void_p)),
-    "fleet_restore": (c_long, (c_void_p, c_void_p, c_void_p, c_void_p)),
+    **dict.fromkeys(("fleet_save", "fleet_restore"), (c_long, (c_void_p, c_void_p, c_void_p, c_void_p))),
     "fleet_free_states": (c_long, (c_void_p, c_void_p)),
-    "fleet_failed": (None, (c_void_p, c_void_p)),
-    "fleet_times": (None, (c_void_p, c_void_p)),
+    **dict.fromkeys(("fleet_failed", "fleet_times"), (None, (c_void_p, c_void_p))),
     "fleet_reports": (c_size_t, (c_void_p, POINTER(POINTER(Report)))),
     "runs_make": (None, (c_void_p, c_size_t, c_void_p, c_size_t, c_size_t, POINTER(RunsEnd))),
 }
@@ -127,13 +100,7 @@ SIGNATURES = {
 
 @cache
 def native() -> ctypes.CDLL:
-    """The library, loaded once. Python's lock is free during its calls.
-
-    Raises
-    ------
-    FmuError
-        There is no library for this platform, or the system refuses to load the library.
-    """
+    """The library, loaded once; its calls release Python's lock. FmuError if there is none."""
     path = fleet_library_path()
     try:
         library = ctypes.CDLL(str(path))

@@ -1,6 +1,4 @@
-"""Values of variables for each instance, laid out as the C loop reads them."""
-
-from __future__ import annotations
+"""Arguments of a fleet, checked, and values for each instance, laid out as the C loop reads them."""
 
 from collections.abc import Mapping, Sequence
 from ctypes import addressof, c_char_p
@@ -9,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from dualcam.common.arrays import real_array
+from dualcam.common.arrays import Array, real_array
 from dualcam.errors import FmuError
 from dualcam.fleet.native import Values, address
 from dualcam.fmi.handle import suitable_value
@@ -21,9 +19,7 @@ FleetValue = ArrayLike | str | Sequence[str]
 
 
 class Layout:
-    """Values of some variables for each of `count` instances. `struct` points into arrays of this object.
-
-    FmuError where a value does not suit its variable, or its shape is neither () nor (count,)."""
+    """Values of variables, shape () or (count,), for `count` instances. `struct` points into this object."""
 
     def __init__(self, variables: Sequence[Variable], values: Mapping[str, FleetValue], count: int) -> None:
         self.struct = Values()
@@ -63,9 +59,8 @@ def column_of(variable: Variable, value: FleetValue, count: int) -> NDArray[Any]
         )
     if variable.kind == "real":
         return given
-    return np.array(
-        [_numbered(variable, i, item) for i, item in enumerate(given.tolist())], dtype=_dtype(variable)
-    )
+    items = [_numbered(variable, i, item) for i, item in enumerate(given.tolist())]
+    return np.array(items, dtype=_dtype(variable))
 
 
 def _numbered(variable: Variable, instance: int, value: object) -> object:
@@ -77,3 +72,46 @@ def _numbered(variable: Variable, instance: int, value: object) -> object:
 
 def _dtype(variable: Variable) -> type:
     return object if variable.kind == "string" else NUMBERS[variable.kind]
+
+
+def chosen_instances(instances: ArrayLike | None, count: int) -> NDArray[np.uint8]:
+    """1 where an instance is chosen, shape (count,)."""
+    if instances is None:
+        return np.ones(count, np.uint8)
+    given = np.asarray(instances)
+    if given.dtype == bool and given.shape == (count,):
+        return given.astype(np.uint8)
+    chosen = np.zeros(count, np.uint8)
+    if given.size == 0:
+        return chosen
+    is_list = given.dtype.kind in "iu" and given.ndim == 1
+    if not is_list or not 0 <= given.min() <= given.max() < count:
+        text = f"instances = {instances!r}: allowed are numbers from 0 to {count - 1}, or {count} booleans"
+        raise FmuError(text)
+    chosen[given] = 1
+    return chosen
+
+
+def whole_number(value: object, name: str, allowed: str, most: float) -> int:
+    """`value` as an int from 1 to `most`."""
+    number = value.item() if isinstance(value, np.integer) else value
+    if type(number) is not int or not 0 < number <= most:
+        raise FmuError(f"{name} = {value!r}: allowed is {allowed}")
+    return number
+
+
+def steps_of(u: ArrayLike) -> int:
+    """The number of steps in a history of inputs; 1 where `u` is none, which `real_array` refuses."""
+    try:
+        shape = np.shape(u)
+    except ValueError:  # rows of different lengths
+        return 1
+    return shape[1] if len(shape) == 3 else 1
+
+
+def output_buffer(out: object, shape: tuple[int, ...]) -> Array:
+    """`out`, where it can take the outputs."""
+    suits = isinstance(out, np.ndarray) and out.dtype == np.float64 and out.shape == shape
+    if not (isinstance(out, np.ndarray) and suits and out.flags.c_contiguous and out.flags.writeable):
+        raise FmuError(f"out: allowed is a writeable, C-contiguous array of float64 with shape {shape}")
+    return out

@@ -1,11 +1,11 @@
 """The binary of an FMU: unpacked, found for this platform, loaded."""
 
-from __future__ import annotations
-
 import _ctypes
 import ctypes
 import os
+import platform
 import shutil
+import struct
 import sys
 import tempfile
 import zipfile
@@ -14,11 +14,18 @@ from typing import Literal
 
 from dualcam.errors import FmuError
 from dualcam.fmi.model_description import Interface, ModelDescription
-from dualcam.fmi.platforms import binary_folders, folders_of, library_suffix, platform_tuple
 
 SEARCH_LIBRARY_FOLDER = 0x8  # LOAD_WITH_ALTERED_SEARCH_PATH: libraries beside the FMU's are found (Windows)
 
 Use = Literal["co-simulation", "model exchange"]
+PROCESSORS = {"amd64": "x86_64", "x64": "x86_64", "arm64": "aarch64", "i386": "x86", "i686": "x86"}
+SYSTEMS = {"linux": "linux", "win32": "windows", "cygwin": "windows", "darwin": "darwin"}
+SUFFIXES = {"linux": ".so", "windows": ".dll", "darwin": ".dylib"}
+FOLDERS_2 = {
+    "x86_64-linux": "linux64", "x86-linux": "linux32",
+    "x86_64-windows": "win64", "x86-windows": "win32",
+    "x86_64-darwin": "darwin64", "aarch64-darwin": "darwin64",
+}  # fmt: skip
 
 
 def interface_of(path: Path, description: ModelDescription, use: Use) -> Interface:
@@ -30,10 +37,7 @@ def interface_of(path: Path, description: ModelDescription, use: Use) -> Interfa
 
 
 class Unpacked:
-    """A new folder with an FMU's resources and this platform's binary.
-
-    The folder belongs to the process that made it. A forked child has copies of its parent's open FMUs, which
-    leave the folder to the parent."""
+    """A new folder with an FMU's resources and this platform's binary, which a forked child leaves alone."""
 
     def __init__(self, path: Path, fmi_major: int) -> None:
         """FmuError if these parts of the FMU are damaged or there is no room."""
@@ -89,3 +93,63 @@ def unload(handle: int) -> None:
         _ctypes.FreeLibrary(handle)
     else:
         _ctypes.dlclose(handle)
+
+
+def platform_tuple() -> str:
+    """FMI 3.0's name of the running Python's platform, such as "x86_64-linux"."""
+    machine = platform.machine().lower()
+    processor = PROCESSORS.get(machine, machine)
+    if processor == "x86_64" and struct.calcsize("P") == 4:
+        processor = "x86"
+    system = next((name for start, name in SYSTEMS.items() if sys.platform.startswith(start)), sys.platform)
+    return f"{processor}-{system}"
+
+
+def binary_folders(fmi_major: int) -> tuple[str, ...]:
+    """Folders below `binaries` that can hold this platform's library, the usual one first.
+
+    FMI 2.0 has names of FMI 3.0 for other processors than x86; older FMUs for macOS have `darwin64`."""
+    name = platform_tuple()
+    return (FOLDERS_2[name], name) if fmi_major == 2 and name in FOLDERS_2 else (name,)
+
+
+def library_suffix() -> str:
+    """The end of a library's file name on this platform."""
+    return SUFFIXES.get(platform_tuple().partition("-")[2], ".so")
+
+
+def folders_of(path: Path) -> list[str]:
+    """Names of the folders below `binaries` in an FMU: the platforms for which the FMU has a binary."""
+    members = [member.split("/") for member in _members(path)]
+    return sorted({parts[1] for parts in members if parts[0] == "binaries" and len(parts) > 2 and parts[2]})
+
+
+def is_for_this_platform_alone(path: Path) -> bool:
+    """Whether an FMU has binaries for the running Python's platform and for no other."""
+    own = {*binary_folders(2), *binary_folders(3)}
+    return set(folders_of(path)) <= own
+
+
+def own_binary(path: Path, description: ModelDescription) -> bytes | None:
+    """The content of an FMU's library for the running Python's platform; None where the FMU has none."""
+    uses = (description.co_simulation, description.model_exchange)
+    names = [
+        f"binaries/{folder}/{use.model_identifier}{library_suffix()}"
+        for folder in binary_folders(description.fmi_major)
+        for use in uses
+        if use is not None
+    ]
+    present = set(_members(path))
+    name = next((name for name in names if name in present), None)
+    if name is None:
+        return None
+    try:
+        with zipfile.ZipFile(path) as archive:
+            return archive.read(name)
+    except Exception as error:  # zipfile's, zlib's and the system's
+        raise FmuError(f"{path}: {name} cannot be read: {error}") from error
+
+
+def _members(path: Path) -> list[str]:
+    with zipfile.ZipFile(path) as archive:
+        return archive.namelist()

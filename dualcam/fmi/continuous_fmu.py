@@ -1,7 +1,5 @@
 """The handle of an FMU for model exchange."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from ctypes import c_double
 from pathlib import Path
@@ -11,6 +9,7 @@ from numpy.typing import ArrayLike
 from dualcam.common.arrays import number_of, real_array
 from dualcam.errors import FmuError
 from dualcam.fmi.handle import Handle
+from dualcam.fmi.instance import Reals
 from dualcam.fmi.model_description import Scalar
 
 
@@ -32,7 +31,8 @@ class ContinuousFmu(Handle):
     Raises
     ------
     FmuError
-        The file is missing or no FMU, has no model exchange, or has no library for this platform.
+        The file is missing or no FMU, has no model exchange, or has no library for this platform. All methods
+        raise it as those of Fmu.
 
     Examples
     --------
@@ -54,7 +54,7 @@ class ContinuousFmu(Handle):
         self._indicators = (c_double * indicators)()
 
     def start(self, parameters: Mapping[str, Scalar] | None = None, time: float = 0.0) -> None:
-        """Begin in continuous-time mode.
+        """Begin in continuous-time mode. FmuError without inertia, too: then speed is no state.
 
         Parameters
         ----------
@@ -62,16 +62,9 @@ class ContinuousFmu(Handle):
             Start values of parameters and inputs, in their units.
         time : float
             Start time [s].
-
-        Raises
-        ------
-        UnknownVariableError
-            A name is unknown.
-        FmuError
-            The FMU refuses a value, or has no inertia: then speed is no state.
         """
         self._begin({} if parameters is None else parameters, time, None)
-        self._instance.exit_initialization()
+        self._instance.call(self._instance.EXIT_INITIALIZATION)
         self._settle()
         self._instance.allow_calls()
 
@@ -79,7 +72,7 @@ class ContinuousFmu(Handle):
         """Event iteration, then continuous-time mode."""
         while self._instance.update_discrete_states():
             pass
-        self._instance.enter_continuous_time_mode()
+        self._instance.call(self._instance.named("EnterContinuousTimeMode"))
 
     def set_states(self, states: ArrayLike) -> None:
         """Set the states in the present mode.
@@ -91,7 +84,7 @@ class ContinuousFmu(Handle):
         """
         self._instance.require_calls_allowed()
         self._states[:] = real_array(states, "states", FmuError, (len(self._states),)).tolist()
-        self._instance.set_states(self._states)
+        self._instance.call_on_vector(self._instance.named("SetContinuousStates"), self._states)
 
     def set_states_and_mode(self, states: ArrayLike) -> None:
         """Set the states, and carry out the mode changes due there.
@@ -107,26 +100,25 @@ class ContinuousFmu(Handle):
     def enter_event_mode(self) -> None:
         """Carry out the mode changes that are due now; continuous-time mode again after that."""
         self._instance.require_calls_allowed()
-        self._instance.enter_event_mode()
+        self._instance.call(self._instance.named("EnterEventMode"))
         self._settle()
 
     def states(self) -> list[float]:
         """The states: theta [rad] and omega [rad/s] of the forward FMU."""
-        self._instance.require_calls_allowed()
-        self._instance.get_states(self._states)
-        return self._states[:]
+        return self._read("GetContinuousStates", self._states)
 
     def derivatives(self) -> list[float]:
         """Time derivatives of the states: rad/s and rad/s2 of the forward FMU."""
-        self._instance.require_calls_allowed()
-        self._instance.get_derivatives(self._rates)
-        return self._rates[:]
+        return self._read("GetDerivatives", self._rates, "GetContinuousStateDerivatives")
 
     def event_indicators(self) -> list[float]:
         """Event indicators: where one changes its sign, the mode may change."""
+        return self._read("GetEventIndicators", self._indicators)
+
+    def _read(self, two: str, values: Reals, three: str = "") -> list[float]:
         self._instance.require_calls_allowed()
-        self._instance.get_event_indicators(self._indicators)
-        return self._indicators[:]
+        self._instance.call_on_vector(self._instance.named(two, three), values)
+        return values[:]
 
     def set_time(self, time: float) -> None:
         """Set the time at which the next values are computed.
@@ -138,5 +130,5 @@ class ContinuousFmu(Handle):
         """
         self._instance.require_calls_allowed()
         time = number_of(time, "time")
-        self._instance.set_time(time)
+        self._instance.call(self._instance.named("SetTime"), c_double(time))
         self._time = time

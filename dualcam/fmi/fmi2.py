@@ -1,17 +1,14 @@
 """The calls of FMI 2.0."""
 
-from __future__ import annotations
-
 import ctypes
 import sys
-from collections.abc import Sequence
 from ctypes import CFUNCTYPE, byref, c_char_p, c_double, c_int, c_size_t, c_void_p
 from functools import partial
-from typing import Any, ClassVar, Literal
+from typing import Any, ClassVar
 
 from dualcam.errors import FmuError
 from dualcam.fmi.binary import Use
-from dualcam.fmi.instance import Function, Instance, Reals, References
+from dualcam.fmi.instance import Function, Instance, Orders, Reals, References
 from dualcam.fmi.model_description import ModelDescription
 
 LOGGER = CFUNCTYPE(None, c_void_p, c_char_p, c_int, c_char_p, c_char_p)
@@ -36,10 +33,7 @@ class EventInfo(ctypes.Structure):
     """fmi2EventInfo."""
 
     _fields_ = (
-        ("again", c_int),
-        ("ends_simulation", c_int),
-        ("nominals_changed", c_int),
-        ("states_changed", c_int),
+        *((name, c_int) for name in ("again", "ends_simulation", "nominals_changed", "states_changed")),
         ("next_time_defined", c_int),
         ("next_time", c_double),
     )
@@ -48,8 +42,8 @@ class EventInfo(ctypes.Structure):
 class Fmi2Instance(Instance):
     """An instance of an FMI 2.0 FMU."""
 
+    VERSION, ENUMERATION = 2, "Integer"
     GET_REAL, SET_REAL, DO_STEP = "fmi2GetReal", "fmi2SetReal", "fmi2DoStep"
-    FREE_INSTANCE, FREE_STATE = "fmi2FreeInstance", "fmi2FreeFMUstate"
     RESET, EXIT_INITIALIZATION, SET_STATE = "fmi2Reset", "fmi2ExitInitializationMode", "fmi2SetFMUstate"
     CTYPES: ClassVar[dict[str, Any]] = {
         "Real": c_double,
@@ -89,59 +83,12 @@ class Fmi2Instance(Instance):
         step.argtypes = (c_void_p, c_double, c_double, c_int)  # type: ignore[attr-defined]
         return self.function(self.GET_REAL), self.function(self.SET_REAL), step
 
-    # ---- a run ----
-
-    def initialization_calls(
-        self, tolerance: float | None, time: float = 0.0
-    ) -> list[tuple[str, tuple[object, ...]]]:
-        setup = (
-            c_int(tolerance is not None),
-            c_double(tolerance or 0.0),
-            c_double(time),
-            c_int(0),
-            c_double(0.0),
-        )
-        return [("fmi2SetupExperiment", setup), ("fmi2EnterInitializationMode", ())]
-
-    # ---- values ----
-
-    def access(self, action: Literal["Get", "Set"], type_name: str) -> str:
-        return f"fmi2{action}{'Integer' if type_name == 'Enumeration' else type_name}"
-
-    def access_arguments(self, references: References, values: object) -> tuple[object, ...]:
-        return (references, c_size_t(len(references)), values)
-
-    def output_derivatives(self, references: References, order: int, values: Reals) -> None:
-        count = len(references)
-        orders = (c_int * count)(*[order] * count)
-        self.call("fmi2GetRealOutputDerivatives", references, c_size_t(count), orders, values)
-
-    def input_derivatives_call(
-        self, references: References, orders: Sequence[int], values: Reals
-    ) -> partial[int]:
+    def input_derivatives_call(self, references: References, orders: Orders, values: Reals) -> partial[int]:
         function = self.brief_function("fmi2SetRealInputDerivatives")
         count = len(references)
         return partial(
             function, self.component, references, c_size_t(count), (c_int * count)(*orders), values
         )
-
-    def directional_derivative(
-        self, unknowns: References, knowns: References, seed: Reals, product: Reals
-    ) -> None:
-        rows, columns = c_size_t(len(unknowns)), c_size_t(len(knowns))
-        self.call("fmi2GetDirectionalDerivative", unknowns, rows, knowns, columns, seed, product)
-
-    # ---- states ----
-
-    def save_state(self) -> int:
-        address = c_void_p()
-        self.call("fmi2GetFMUstate", byref(address))
-        return self._kept("fmi2GetFMUstate", address)
-
-    # ---- model exchange ----
-
-    def enter_event_mode(self) -> None:
-        self.call("fmi2EnterEventMode")
 
     def update_discrete_states(self) -> bool:
         info = EventInfo()
@@ -149,21 +96,3 @@ class Fmi2Instance(Instance):
         if info.ends_simulation:
             raise FmuError("; ".join(["the FMU ends the simulation", *self.messages]))
         return bool(info.again)
-
-    def enter_continuous_time_mode(self) -> None:
-        self.call("fmi2EnterContinuousTimeMode")
-
-    def set_time(self, time: float) -> None:
-        self.call("fmi2SetTime", c_double(time))
-
-    def set_states(self, states: Reals) -> None:
-        self.call("fmi2SetContinuousStates", states, c_size_t(len(states)))
-
-    def get_states(self, states: Reals) -> None:
-        self.call("fmi2GetContinuousStates", states, c_size_t(len(states)))
-
-    def get_derivatives(self, derivatives: Reals) -> None:
-        self.call("fmi2GetDerivatives", derivatives, c_size_t(len(derivatives)))
-
-    def get_event_indicators(self, indicators: Reals) -> None:
-        self.call("fmi2GetEventIndicators", indicators, c_size_t(len(indicators)))

@@ -1,17 +1,14 @@
 """The calls of FMI 3.0: co-simulation without event mode, and model exchange."""
 
-from __future__ import annotations
-
 import ctypes
 import os
-from collections.abc import Sequence
 from ctypes import CFUNCTYPE, byref, c_bool, c_char_p, c_double, c_int, c_int32, c_size_t, c_void_p
 from functools import partial
-from typing import Any, ClassVar, Literal
+from typing import Any, ClassVar
 
 from dualcam.errors import FmuError
 from dualcam.fmi.binary import Use
-from dualcam.fmi.instance import Function, Instance, Reals, References
+from dualcam.fmi.instance import Function, Instance, Orders, Reals, References
 from dualcam.fmi.model_description import ModelDescription
 
 LOGGER = CFUNCTYPE(None, c_void_p, c_int, c_char_p, c_char_p)
@@ -21,8 +18,8 @@ DISCARD = 2  # FMI's status
 class Fmi3Instance(Instance):
     """An instance of an FMI 3.0 FMU."""
 
+    VERSION, ENUMERATION = 3, "Int64"
     GET_REAL, SET_REAL, DO_STEP = "fmi3GetFloat64", "fmi3SetFloat64", "fmi3DoStep"
-    FREE_INSTANCE, FREE_STATE = "fmi3FreeInstance", "fmi3FreeFMUState"
     RESET, EXIT_INITIALIZATION, SET_STATE = "fmi3Reset", "fmi3ExitInitializationMode", "fmi3SetFMUState"
     CTYPES: ClassVar[dict[str, Any]] = {
         "Float64": c_double, "Float32": ctypes.c_float,
@@ -82,63 +79,11 @@ class Fmi3Instance(Instance):
         step_unless_ended.__name__ = self.DO_STEP
         return step_unless_ended
 
-    # ---- a run ----
-
-    def initialization_calls(
-        self, tolerance: float | None, time: float = 0.0
-    ) -> list[tuple[str, tuple[object, ...]]]:
-        arguments = (
-            c_bool(tolerance is not None),
-            c_double(tolerance or 0.0),
-            c_double(time),
-            c_bool(False),
-            c_double(0.0),
-        )
-        return [("fmi3EnterInitializationMode", arguments)]
-
-    # ---- values ----
-
-    def real_arguments(self, references: References, values: Reals) -> tuple[object, ...]:
-        return (*super().real_arguments(references, values), c_size_t(len(references)))
-
-    def access(self, action: Literal["Get", "Set"], type_name: str) -> str:
-        return f"fmi3{action}{'Int64' if type_name == 'Enumeration' else type_name}"
-
-    def access_arguments(self, references: References, values: object) -> tuple[object, ...]:
-        return (references, c_size_t(len(references)), values, c_size_t(len(references)))
-
-    def output_derivatives(self, references: References, order: int, values: Reals) -> None:
-        count = c_size_t(len(references))
-        orders = (c_int32 * len(references))(*[order] * len(references))
-        self.call("fmi3GetOutputDerivatives", references, count, orders, values, count)
-
-    def input_derivatives_call(
-        self, references: References, orders: Sequence[int], values: Reals
-    ) -> partial[int]:
+    def input_derivatives_call(self, references: References, orders: Orders, values: Reals) -> partial[int]:
         raise FmuError(
             "FMI 3.0 has no derivatives of inputs: allowed are values that are constant over a step; take the"
             " FMI 2.0 FMU, or shorter steps"
         )
-
-    def directional_derivative(
-        self, unknowns: References, knowns: References, seed: Reals, product: Reals
-    ) -> None:
-        rows, columns = c_size_t(len(unknowns)), c_size_t(len(knowns))
-        self.call(
-            "fmi3GetDirectionalDerivative", unknowns, rows, knowns, columns, seed, columns, product, rows
-        )
-
-    # ---- states ----
-
-    def save_state(self) -> int:
-        address = c_void_p()
-        self.call("fmi3GetFMUState", byref(address))
-        return self._kept("fmi3GetFMUState", address)
-
-    # ---- model exchange ----
-
-    def enter_event_mode(self) -> None:
-        self.call("fmi3EnterEventMode")
 
     def update_discrete_states(self) -> bool:
         again, ends, *_ = flags = [c_bool() for _ in range(5)]
@@ -147,21 +92,3 @@ class Fmi3Instance(Instance):
         if ends.value:
             raise FmuError("; ".join(["the FMU ends the simulation", *self.messages]))
         return again.value
-
-    def enter_continuous_time_mode(self) -> None:
-        self.call("fmi3EnterContinuousTimeMode")
-
-    def set_time(self, time: float) -> None:
-        self.call("fmi3SetTime", c_double(time))
-
-    def set_states(self, states: Reals) -> None:
-        self.call("fmi3SetContinuousStates", states, c_size_t(len(states)))
-
-    def get_states(self, states: Reals) -> None:
-        self.call("fmi3GetContinuousStates", states, c_size_t(len(states)))
-
-    def get_derivatives(self, derivatives: Reals) -> None:
-        self.call("fmi3GetContinuousStateDerivatives", derivatives, c_size_t(len(derivatives)))
-
-    def get_event_indicators(self, indicators: Reals) -> None:
-        self.call("fmi3GetEventIndicators", indicators, c_size_t(len(indicators)))

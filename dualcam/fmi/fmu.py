@@ -12,8 +12,6 @@ messages in errors, and fast enough for a 1 kHz loop.
 An instance must not be used from two threads at once; instances share nothing.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 
@@ -46,12 +44,9 @@ class Fmu(Handle):
     Raises
     ------
     FmuError
-        The file is missing or no FMU, has no co-simulation, or has no library for this platform.
-
-    See Also
-    --------
-    ContinuousFmu : The same for model exchange.
-    dualcam.fmu_path : The paths behind the names.
+        The file is missing or no FMU, has no co-simulation, or has no library for this platform. All methods
+        raise it for a wrong argument, where the FMU refuses, before a run has begun and after `close`; the
+        UnknownVariableError among them names near variables.
 
     Examples
     --------
@@ -82,16 +77,9 @@ class Fmu(Handle):
             Start time [s].
         tolerance : float, optional
             Relative tolerance of the FMU's integrator. None: the FMU's default, here 1e-9.
-
-        Raises
-        ------
-        UnknownVariableError
-            A name is unknown.
-        FmuError
-            An argument is of a wrong kind, or the FMU refuses a value or the combination of values.
         """
         self._begin({} if parameters is None else parameters, time, tolerance)
-        self._instance.exit_initialization()
+        self._instance.call(self._instance.EXIT_INITIALIZATION)
         self._instance.allow_calls()
 
     def step(self, step: float | None = None, *, size: float | None = None) -> None:
@@ -118,7 +106,7 @@ class Fmu(Handle):
 
 class RepeatedStart:
     """Many runs of one FMU from different start values. The FMU keeps its precomputed geometry, so a start
-    costs about as much as a step.
+    costs about as much as a step. FmuError where the FMU refuses a value, or cannot save its state.
 
     Parameters
     ----------
@@ -128,11 +116,6 @@ class RepeatedStart:
         Start values that all runs share, as in `Fmu.start`.
     names : sequence of str, shape (n,)
         Real start values, of parameters or inputs, that differ between the runs.
-
-    Raises
-    ------
-    FmuError
-        The FMU refuses a value, or cannot save its state.
 
     Examples
     --------
@@ -161,8 +144,7 @@ class RepeatedStart:
         return f"<RepeatedStart of {self.fmu!r} with {', '.join(self.start_values.names)}>"
 
     def initialize(self, values: ArrayLike) -> None:
-        """Return to initialization mode with these start values. Variables that need no step can be read
-        there.
+        """Back to initialization mode with these start values, where variables that need no step can be read.
 
         Parameters
         ----------
@@ -182,4 +164,4 @@ class RepeatedStart:
             Start values in the order of `names`.
         """
         self.initialize(values)
-        self.fmu._instance.exit_initialization()
+        self.fmu._instance.call(self.fmu._instance.EXIT_INITIALIZATION)

@@ -1,15 +1,11 @@
-"""What the handles for co-simulation and for model exchange have in common: variables by name, derivatives,
-saved states."""
-
-from __future__ import annotations
+"""What the handles for co-simulation and model exchange share: variables by name, derivatives, states."""
 
 import difflib
 import math
 import weakref
 from collections.abc import Iterable, Mapping, Sequence
-from ctypes import c_double, c_uint
+from ctypes import c_double, c_uint, c_void_p
 from pathlib import Path
-from types import TracebackType
 from typing import Self
 
 import numpy as np
@@ -20,7 +16,7 @@ from dualcam.common.entries import repeated
 from dualcam.common.process_bound import ProcessBound
 from dualcam.common.unit_guards import warn_units
 from dualcam.errors import DualcamError, FmuError, UnknownVariableError
-from dualcam.fmi.binary import Use
+from dualcam.fmi.binary import Use, interface_of
 from dualcam.fmi.fmi2 import Fmi2Instance
 from dualcam.fmi.fmi3 import Fmi3Instance
 from dualcam.fmi.instance import START_FAILED, Instance, References
@@ -31,6 +27,7 @@ from dualcam.fmi.reals import Reals
 INSTANCES: dict[int, type[Instance]] = {2: Fmi2Instance, 3: Fmi3Instance}
 DOUBLES = ("Real", "Float64")  # types of variables that a group can hold
 OWN_NAMES = {"cam1.lead_angle", "cam2.lead_angle", "spring.stiffness"}  # only the dual cam's FMUs have all
+Names = Sequence[str]
 NAMES_LISTED = 12  # most names in a message about an unknown variable
 
 
@@ -81,9 +78,7 @@ class Handle(ProcessBound):
         self._instance.require_open()
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *exception: object) -> None:
         self.close()
 
     def __repr__(self) -> str:
@@ -104,9 +99,7 @@ class Handle(ProcessBound):
 
     @property
     def time(self) -> float:
-        """Present time [s], at which the next step begins. FmuError where the FMU is closed.
-
-        The times of many equal steps add up rounding errors. Assigning the exact time removes them."""
+        """Present time [s], where the next step begins. Assigning it removes the rounding of many steps."""
         self._instance.require_open()
         return self._time
 
@@ -118,10 +111,7 @@ class Handle(ProcessBound):
     @property
     def interface(self) -> Interface:
         """What the FMU can do in this handle's use."""
-        description = self.description
-        found = description.co_simulation if self._use == "co-simulation" else description.model_exchange
-        assert found is not None  # else there would be no instance
-        return found
+        return interface_of(self.path, self.description, self._use)
 
     def _begin(self, parameters: Mapping[str, Scalar], time: float, tolerance: float | None) -> None:
         """Up to initialization mode."""
@@ -132,18 +122,17 @@ class Handle(ProcessBound):
             tolerance = number_of(tolerance, "tolerance", "a finite number > 0, or None")
         instance = self._instance
         if not self._is_new:
-            instance.reset()
+            instance.call(instance.RESET)
         self._is_new = False
         instance.refuse_calls(START_FAILED)
         if self._is_dual_cam:
             warn_units({name: (name, value) for name, value in parameters.items()}, stacklevel=4)
         for name, value in parameters.items():
             self._set(name, value)
-        instance.enter_initialization(tolerance, time)
+        for name, arguments in instance.initialization_calls(tolerance, time):
+            instance.call(name, *arguments)
         self.parameters = dict(parameters)
         self._time = time
-
-    # ---- variables ----
 
     @property
     def names(self) -> list[str]:
@@ -151,7 +140,7 @@ class Handle(ProcessBound):
         return list(self._variables)
 
     def variable(self, name: str, *kinds: Kind) -> Variable:
-        """The description of a variable.
+        """The description of a variable. FmuError where the variable is of another kind.
 
         Parameters
         ----------
@@ -163,18 +152,10 @@ class Handle(ProcessBound):
         Returns
         -------
         Variable
-
-        Raises
-        ------
-        UnknownVariableError
-            There is none of that name; the message has near matches.
-        FmuError
-            The variable is of another kind.
         """
         if not isinstance(name, str):
             raise UnknownVariableError(f"variable {name!r}: allowed is the name of one variable, a text")
-        variable = self._variables.get(name)
-        if variable is None:
+        if (variable := self._variables.get(name)) is None:
             raise UnknownVariableError(unknown_variable(name, self.names, self.description.model_name))
         if kinds and variable.kind not in kinds:
             allowed = " or ".join(kind.capitalize() for kind in kinds)
@@ -182,7 +163,7 @@ class Handle(ProcessBound):
         return variable
 
     def reals(self, *names: str) -> Reals:
-        """A group of real variables that is read or written often.
+        """A group of real variables that is read or written often. FmuError where a name stands twice.
 
         Parameters
         ----------
@@ -192,14 +173,7 @@ class Handle(ProcessBound):
         Returns
         -------
         Reals
-            The group, with its own buffer.
-
-        Raises
-        ------
-        UnknownVariableError
-            The FMU has no variable of a name.
-        FmuError
-            A variable is not real, or a name stands twice.
+            With its own buffer.
         """
         return Reals(self._instance, names, self._references(names_of(names, "names")))
 
@@ -214,22 +188,7 @@ class Handle(ProcessBound):
         Returns
         -------
         float, int, bool or str
-            The value, in the variable's unit.
-
-        Raises
-        ------
-        UnknownVariableError
-            The FMU has no variable of that name.
-        FmuError
-            No run has begun, or the FMU is closed.
-
-        Examples
-        --------
-        >>> from dualcam import Fmu
-        >>> with Fmu("forward") as fmu:
-        ...     fmu.start({"tau": 5.0})
-        ...     fmu.get("tau"), fmu.get("mode"), fmu.get("ledger")  # mode 2: loading
-        (5.0, 2, True)
+            In the variable's unit.
         """
         variable = self.variable(name)
         self._instance.require_calls_allowed()
@@ -246,7 +205,7 @@ class Handle(ProcessBound):
         Returns
         -------
         float
-            The value, in the variable's unit.
+            In the variable's unit.
         """
         self.variable(name, "real")
         return float(self.get(name))
@@ -259,15 +218,7 @@ class Handle(ProcessBound):
         name : str
             Name of the variable.
         value : float, int, bool or str
-            The value, in the variable's unit.
-
-        Raises
-        ------
-        UnknownVariableError
-            The FMU has no variable of that name.
-        FmuError
-            `value` does not suit the variable's type, the FMU refuses the value, or no run has begun: start
-            values go into `start`.
+            In the variable's unit. FmuError where the value does not suit the variable's type.
         """
         self.variable(name)
         self._instance.require_calls_allowed()
@@ -277,8 +228,8 @@ class Handle(ProcessBound):
         variable = self.variable(name)
         self._instance.set(variable, suitable_value(variable, value))
 
-    def jacobian(self, unknowns: Sequence[str], knowns: Sequence[str]) -> Array:
-        """Partial derivatives at the present point.
+    def jacobian(self, unknowns: Names, knowns: Names) -> Array:
+        """Partial derivatives at the present point. FmuError where the FMU has no such derivative.
 
         Parameters
         ----------
@@ -292,11 +243,6 @@ class Handle(ProcessBound):
         ndarray, shape (n, m)
             In the unit of the unknown per unit of the known.
 
-        Raises
-        ------
-        FmuError
-            The FMU has no such derivative, or no run has begun.
-
         Examples
         --------
         >>> from dualcam import Fmu
@@ -309,16 +255,12 @@ class Handle(ProcessBound):
         columns = [self.directional_derivative(unknowns, [known], [1.0]) for known in knowns]
         return np.reshape(columns, (len(knowns), len(unknowns))).T
 
-    def directional_derivative(
-        self, unknowns: Sequence[str], knowns: Sequence[str], seed: ArrayLike
-    ) -> Array:
-        """Product of the partial derivatives with a direction.
+    def directional_derivative(self, unknowns: Names, knowns: Names, seed: ArrayLike) -> Array:
+        """Product of the partial derivatives with a direction: jacobian(unknowns, knowns) @ seed.
 
         Parameters
         ----------
-        unknowns : sequence of str, shape (n,)
-            As in `jacobian`.
-        knowns : sequence of str, shape (m,)
+        unknowns, knowns : sequence of str, shapes (n,) and (m,)
             As in `jacobian`.
         seed : array_like, shape (m,)
             The direction, in the units of the knowns.
@@ -326,12 +268,6 @@ class Handle(ProcessBound):
         Returns
         -------
         ndarray, shape (n,)
-            jacobian(unknowns, knowns) @ seed.
-
-        Raises
-        ------
-        FmuError
-            The FMU has no such derivative, `seed` has another shape, or no run has begun.
         """
         unknowns, knowns = names_of(unknowns, "unknowns"), names_of(knowns, "knowns")
         rows, columns = self._references(unknowns), self._references(knowns)
@@ -343,7 +279,7 @@ class Handle(ProcessBound):
         self._instance.directional_derivative(rows, columns, direction, product)
         return np.array(product)
 
-    def _references(self, names: Sequence[str]) -> References:
+    def _references(self, names: Names) -> References:
         variables = [self.variable(name, "real") for name in names]
         for variable in variables:
             if variable.type not in DOUBLES or variable.is_array:
@@ -351,31 +287,13 @@ class Handle(ProcessBound):
                 raise FmuError(f"{variable.name} is {what}: allowed is {' or '.join(DOUBLES)}, a scalar")
         return (c_uint * len(names))(*(variable.value_reference for variable in variables))
 
-    # ---- states ----
-
     def save_state(self) -> FmuState:
-        """The whole state of the instance now.
+        """The whole state of the instance now. FmuError where the FMU cannot save its state.
 
         Returns
         -------
         FmuState
-            For `restore_state` of the same instance.
-
-        Raises
-        ------
-        FmuError
-            The FMU cannot save its state, or no run has begun.
-
-        Examples
-        --------
-        >>> from dualcam import Fmu
-        >>> with Fmu("forward") as fmu:
-        ...     fmu.start({"tau": 5.0})
-        ...     state = fmu.save_state()
-        ...     fmu.step(0.1)
-        ...     fmu.restore_state(state)
-        ...     fmu.time, fmu.get("theta")
-        (0.0, 0.0)
+            For `restore_state` of this instance.
         """
         self._instance.require_calls_allowed()
         if not self.interface.can_save_state:
@@ -383,31 +301,23 @@ class Handle(ProcessBound):
         return FmuState(self._instance, self._instance.save_state(), self._time)
 
     def restore_state(self, state: FmuState) -> None:
-        """Go back to a saved state of this instance, with its `time`.
+        """Go back to a saved state, with its `time`. FmuError for a state of another instance.
 
         Parameters
         ----------
         state : FmuState
             From `save_state` of this instance.
-
-        Raises
-        ------
-        FmuError
-            `state` is of another instance, or no state.
         """
         if not isinstance(state, FmuState):
             raise FmuError(f"restore_state({state!r}): allowed is a state from save_state")
         if state._instance is not self._instance:
             raise FmuError("this state is of another instance: allowed are those that this one gave")
-        self._instance.restore_state(state._address)
+        self._instance.call(self._instance.SET_STATE, c_void_p(state._address))
         self._instance.allow_calls()
         self._time = state._time
 
 
-# ---- arguments, error messages ----
-
-
-def names_of(names: Sequence[str], argument: str) -> list[str]:
+def names_of(names: Names, argument: str) -> list[str]:
     """`names` as a list. FmuError for one text, for what is no sequence, and for a name that stands twice."""
     if isinstance(names, str) or not isinstance(names, Iterable):
         raise FmuError(f"{argument} = {names!r}: allowed is a list of names of variables")

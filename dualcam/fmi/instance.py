@@ -4,13 +4,11 @@
 the methods of Instance alone.
 """
 
-from __future__ import annotations
-
 import ctypes
 from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Callable, Sequence
-from ctypes import c_double, c_size_t, c_uint, c_void_p
+from ctypes import c_double, c_int, c_size_t, c_uint, c_void_p
 from functools import partial
 from pathlib import Path
 from typing import Any, ClassVar, Literal, NoReturn
@@ -29,24 +27,17 @@ CLOSED = "this FMU is closed: open a new one"
 References = ctypes.Array[c_uint]
 Reals = ctypes.Array[c_double]
 Function = Callable[..., int]
+Orders = Sequence[int]
+Calls = list[tuple[str, tuple[object, ...]]]  # names and arguments of FMI functions
 
 
 class Instance(ABC):
-    """A loaded binary with one instance in it, freed once. The instance has no reference to its handle, so
-    that a dropped handle can free it.
+    """A loaded binary with one instance, freed once. It has no reference to its handle: a dropped handle can
+    free it. While calls are not allowed, `get_real`, `set_real` and `do_step` say why."""
 
-    `get_real`, `set_real` and `do_step` are the FMI functions of the loop. While a call is not allowed, they
-    are replaced by a function that says why."""
-
-    # names of the FMI functions
-    GET_REAL: ClassVar[str]
-    SET_REAL: ClassVar[str]
-    DO_STEP: ClassVar[str]
-    FREE_INSTANCE: ClassVar[str]
-    FREE_STATE: ClassVar[str]
-    RESET: ClassVar[str]
-    EXIT_INITIALIZATION: ClassVar[str]
-    SET_STATE: ClassVar[str]
+    VERSION: ClassVar[int]  # of FMI
+    GET_REAL = SET_REAL = DO_STEP = RESET = EXIT_INITIALIZATION = SET_STATE = ""  # names of FMI functions
+    ENUMERATION: ClassVar[str]  # the type as which enumerations are read and written
     CTYPES: ClassVar[dict[str, Any]]  # type of a variable -> type in C
 
     get_real: Function
@@ -65,7 +56,11 @@ class Instance(ABC):
         self._unpacked = Unpacked(path, description.fmi_major)
         self.directory = self._unpacked.folder
         try:
-            self._open(path, library_file(path, self.directory, interface, description.fmi_major))
+            file = library_file(path, self.directory, interface, description.fmi_major)
+            self.library = load(ctypes.CDLL, path, file)
+            # Calls through it keep Python's lock: giving it away and taking it back takes longer than a call
+            # that only copies values.
+            self.brief = load(ctypes.PyDLL, path, file)
             try:
                 self.component = self._made(path, description, use)
             except BaseException:
@@ -76,12 +71,6 @@ class Instance(ABC):
             raise
         self.is_open = True
 
-    def _open(self, path: Path, file: Path) -> None:
-        self.library = load(ctypes.CDLL, path, file)
-        # Calls through it keep Python's lock: giving it away and taking it back takes longer than a call that
-        # only copies values.
-        self.brief = load(ctypes.PyDLL, path, file)
-
     def _made(self, path: Path, description: ModelDescription, use: Use) -> c_void_p:
         try:
             address = self._instantiate(description, use)
@@ -91,8 +80,6 @@ class Instance(ABC):
             reasons = "; ".join(self.messages) or "the FMU gave no reason"
             raise FmuError(f"{path}: the FMU made no instance: {reasons}")
         return c_void_p(address)
-
-    # ---- life ----
 
     @abstractmethod
     def _instantiate(self, description: ModelDescription, use: Use) -> int | None:
@@ -128,9 +115,12 @@ class Instance(ABC):
         if not self.is_open:
             raise FmuError(CLOSED)
 
+    def named(self, two: str, three: str = "") -> str:
+        """The name of an FMI function by its end in FMI 2.0, and its end in FMI 3.0 where that differs."""
+        return f"fmi3{three or two}" if self.VERSION == 3 else f"fmi2{two}"
+
     def function(self, name: str) -> Function:
-        """The FMI function `name`, which returns FMI's status. The arguments, `component` first, are values
-        of ctypes: their types are not checked."""
+        """The FMI function `name`, which returns FMI's status. Its arguments are values of ctypes."""
         return self.library[name]  # a new object, which shares no argument types
 
     def brief_function(self, name: str) -> Function:
@@ -154,8 +144,7 @@ class Instance(ABC):
             raise FmuError(text)
 
     def free(self) -> None:
-        """Free the instance and the unpacked files, once. A forked child only forgets its copy, of which
-        threads of the FMU are in the parent alone."""
+        """Free the instance and the files, once. A forked child lacks the FMU's threads and forgets both."""
         if not self._unpacked.is_own:
             self.abandon()
         if not self.is_open:
@@ -163,15 +152,14 @@ class Instance(ABC):
         for address in list(self.states):
             self.free_state(address)
         self._close()
-        free = getattr(self.library, self.FREE_INSTANCE)
+        free = getattr(self.library, self.named("FreeInstance"))
         free.restype = None
         free(self.component)
         self._unload()
         self._unpacked.delete()
 
     def abandon(self) -> None:
-        """After FMI's status Fatal no function may be called, not even to free the instance: its memory is
-        lost."""
+        """After FMI's status Fatal no function may be called, not even to free the instance."""
         if self.is_open:
             self.states.clear()
             self._close()
@@ -185,40 +173,29 @@ class Instance(ABC):
         for library in (self.brief, self.library):
             unload(library._handle)
 
-    # ---- a run ----
+    def initialization_calls(self, tolerance: float | None, time: float = 0.0) -> Calls:
+        """The calls that enter initialization mode at `time` [s]."""
+        truth, enter = self.CTYPES["Boolean"], self.named("EnterInitializationMode")
+        given = truth(tolerance is not None), c_double(tolerance or 0.0)
+        setup = (*given, c_double(time), truth(False), c_double(0.0))  # without a stop time
+        return [(enter, setup)] if self.VERSION == 3 else [("fmi2SetupExperiment", setup), (enter, ())]
 
-    @abstractmethod
-    def initialization_calls(
-        self, tolerance: float | None, time: float = 0.0
-    ) -> list[tuple[str, tuple[object, ...]]]:
-        """Names and arguments of the calls that enter initialization mode at `time` [s]."""
-
-    def enter_initialization(self, tolerance: float | None, time: float) -> None:
-        """Enter initialization mode at `time` [s]."""
-        for name, arguments in self.initialization_calls(tolerance, time):
-            self.call(name, *arguments)
-
-    def exit_initialization(self) -> None:
-        """Leave initialization mode: the run begins."""
-        self.call(self.EXIT_INITIALIZATION)
-
-    def reset(self) -> None:
-        """Back to the start values."""
-        self.call(self.RESET)
-
-    # ---- values ----
+    def sized(self, values: object, count: c_size_t) -> tuple[object, ...]:
+        """`values` as arguments: FMI 3.0 wants their number again."""
+        return (values, count) if self.VERSION == 3 else (values,)
 
     def real_arguments(self, references: References, values: Reals) -> tuple[object, ...]:
         """The arguments of get_real and set_real for a group of variables."""
-        return (self.component, references, c_size_t(len(references)), values)
+        return (self.component, *self.access_arguments(references, values))
 
-    @abstractmethod
     def access(self, action: Literal["Get", "Set"], type_name: str) -> str:
         """Name of the FMI function that gets or sets variables of that type."""
+        return self.named(f"{action}{self.ENUMERATION if type_name == 'Enumeration' else type_name}")
 
-    @abstractmethod
     def access_arguments(self, references: References, values: object) -> tuple[object, ...]:
         """The arguments of an access function after the instance; `values` points to the values in C."""
+        count = c_size_t(len(references))
+        return (references, count, *self.sized(values, count))
 
     def get(self, variable: Variable) -> Scalar:
         """The value of a variable."""
@@ -233,9 +210,8 @@ class Instance(ABC):
         """Set a variable to a value of its kind."""
         content = self.CTYPES[_scalar(variable).type](value.encode() if isinstance(value, str) else value)
         if variable.kind == "integer" and content.value != value:  # C has no such number of this type
-            raise FmuError(
-                f"{variable.name} = {value}: allowed are whole numbers of the type {variable.type}"
-            )
+            text = f"{variable.name} = {value}: allowed are whole numbers of the type {variable.type}"
+            raise FmuError(text)
         self._access("Set", variable, content)
 
     def _access(self, action: Literal["Get", "Set"], variable: Variable, content: object) -> None:
@@ -243,76 +219,46 @@ class Instance(ABC):
         arguments = self.access_arguments(references, ctypes.byref(content))  # type: ignore[arg-type]
         self.call(self.access(action, variable.type), *arguments)
 
-    @abstractmethod
     def output_derivatives(self, references: References, order: int, values: Reals) -> None:
         """Fill `values` with the time derivatives of outputs."""
+        count, orders = c_size_t(len(references)), (c_int * len(references))(*[order] * len(references))
+        name = self.named("GetRealOutputDerivatives", "GetOutputDerivatives")
+        self.call(name, references, count, orders, *self.sized(values, count))
 
     @abstractmethod
-    def input_derivatives_call(
-        self, references: References, orders: Sequence[int], values: Reals
-    ) -> partial[int]:
+    def input_derivatives_call(self, references: References, orders: Orders, values: Reals) -> partial[int]:
         """A call that sets time derivatives of inputs; FmuError where FMI has none."""
 
-    def set_input_derivatives(self, references: References, order: int, values: Reals) -> None:
-        """Set time derivatives of one order of inputs."""
-        call = self.input_derivatives_call(references, [order] * len(references), values)
-        self.check(call(), "setting derivatives of inputs")
-
-    @abstractmethod
     def directional_derivative(
         self, unknowns: References, knowns: References, seed: Reals, product: Reals
     ) -> None:
         """Fill `product` with the partial derivatives of `unknowns` by `knowns` times `seed`."""
+        rows, columns = c_size_t(len(unknowns)), c_size_t(len(knowns))
+        values = (*self.sized(seed, columns), *self.sized(product, rows))
+        self.call(self.named("GetDirectionalDerivative"), unknowns, rows, knowns, columns, *values)
 
-    # ---- states ----
-
-    @abstractmethod
     def save_state(self) -> int:
         """The address of a copy of the whole state."""
-
-    def restore_state(self, address: int) -> None:
-        """Go back to a saved state."""
-        self.call(self.SET_STATE, c_void_p(address))
-
-    def free_state(self, address: int) -> None:
-        """Free a saved state, once."""
-        if address in self.states:
-            self.states.remove(address)
-            self.call(self.FREE_STATE, ctypes.byref(c_void_p(address)))
-
-    def _kept(self, name: str, address: c_void_p) -> int:
-        """The address of a new state, to be freed later."""
+        address, name = c_void_p(), self.named("GetFMUstate", "GetFMUState")
+        self.call(name, ctypes.byref(address))
         if address.value is None:
             raise FmuError(f"{name} gave no state")
         self.states.add(address.value)
         return address.value
 
-    # ---- model exchange ----
-
-    @abstractmethod
-    def enter_event_mode(self) -> None: ...
+    def free_state(self, address: int) -> None:
+        """Free a saved state, once."""
+        if address in self.states:
+            self.states.remove(address)
+            self.call(self.named("FreeFMUstate", "FreeFMUState"), ctypes.byref(c_void_p(address)))
 
     @abstractmethod
     def update_discrete_states(self) -> bool:
         """One event iteration; whether another one is needed. FmuError if the FMU ends the simulation."""
 
-    @abstractmethod
-    def enter_continuous_time_mode(self) -> None: ...
-
-    @abstractmethod
-    def set_time(self, time: float) -> None: ...
-
-    @abstractmethod
-    def set_states(self, states: Reals) -> None: ...
-
-    @abstractmethod
-    def get_states(self, states: Reals) -> None: ...
-
-    @abstractmethod
-    def get_derivatives(self, derivatives: Reals) -> None: ...
-
-    @abstractmethod
-    def get_event_indicators(self, indicators: Reals) -> None: ...
+    def call_on_vector(self, name: str, values: Reals) -> None:
+        """An FMI function that reads or writes states, their derivatives or event indicators."""
+        self.call(name, values, c_size_t(len(values)))
 
 
 def _scalar(variable: Variable) -> Variable:

@@ -1,18 +1,16 @@
 """Where this package's own FMUs are, and the files for a page in a browser."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from dualcam.errors import FmuError
-from dualcam.fmi.platforms import library_suffix, platform_tuple
+from dualcam.fmi.binary import library_suffix, platform_tuple
 
 MODELS = {"forward": "DualCamForward", "inverse": "DualCamInverse"}
 PACKAGE = Path(__file__).resolve().parents[1]
 
 
 def fmu_path(kind: str, fmi: int = 2) -> Path:
-    """Path of one of this package's FMUs.
+    """Path of one of this package's FMUs. FmuError where a checkout has not been built yet.
 
     Parameters
     ----------
@@ -26,97 +24,62 @@ def fmu_path(kind: str, fmi: int = 2) -> Path:
     Path
         The FMU inside the installed package, or that of the build folder of a checkout.
 
-    Raises
-    ------
-    FmuError
-        `kind` or `fmi` is something else, or a checkout has not been built yet.
-
     Examples
     --------
     >>> import dualcam
     >>> dualcam.fmu_path("inverse").name
     'DualCamInverse.fmu'
-    >>> dualcam.fmu_path("backward")
-    Traceback (most recent call last):
-    ...
-    dualcam.errors.FmuError: fmu_path(kind='backward'): allowed are 'forward', 'inverse'
     """
     if not isinstance(kind, str) or kind not in MODELS:
         raise FmuError(f"fmu_path(kind={kind!r}): allowed are {', '.join(map(repr, MODELS))}")
     if type(fmi) is not int or fmi not in (2, 3):
         raise FmuError(f"fmu_path(fmi={fmi!r}): allowed are 2 (FMI 2.0) and 3 (FMI 3.0)")
-    file = f"{MODELS[kind]}.fmu"
-    build = PACKAGE.parent / "build"
-    places = [PACKAGE / "fmus" / f"fmi{fmi}" / file, (build if fmi == 2 else build / "fmi3") / file]
-    for path in places:
-        if path.is_file():
-            return path
-    raise FmuError(
-        f"{file} of FMI {fmi}.0 is missing: looked for {' and '.join(map(str, places))}. In a checkout run"
-        " ./build.sh, which makes the FMUs in build/; an installed package has the FMUs inside: install"
-        " the package again"
+    folder = f"fmus/fmi{fmi}", "build" if fmi == 2 else "build/fmi3"
+    return _found(
+        f"{MODELS[kind]}.fmu",
+        folder,
+        f" of FMI {fmi}.0",
+        "which makes the FMUs in build/; an installed package has the FMUs inside: install the package again",
     )
 
 
 def fleet_library_path() -> Path:
     """Path of the library of `dualcam.Fleet` for the running Python. FmuError where there is none."""
-    file, platform = f"dualcam_fleet{library_suffix()}", platform_tuple()
-    places = [folder / platform / file for folder in (PACKAGE / "fleet/lib", PACKAGE.parent / "build/fleet")]
-    for path in places:
-        if path.is_file():
-            return path
-    raise FmuError(
-        f"the library of dualcam.Fleet for {platform} is missing: looked for"
-        f" {' and '.join(map(str, places))}. In a checkout run ./build.sh, which makes the library; an"
-        " installed package has those for Linux (x86-64, aarch64), Windows (64 and 32 bits) and macOS"
+    platform = platform_tuple()
+    return _found(
+        f"{platform}/dualcam_fleet{library_suffix()}",
+        ("fleet/lib", "build/fleet"),
+        f", the library of dualcam.Fleet for {platform},",
+        "which makes the library; an installed package has"
+        " those for Linux (x86-64, aarch64), Windows (64 and 32 bits) and macOS",
     )
 
 
 def web_path(name: str) -> Path:
-    """Path of a product for a page in a browser.
-
-    Parameters
-    ----------
-    name : str
-        "DualCamForward.wasm" or "DualCamInverse.wasm", the model as WebAssembly; "three", the folder of
-        three.js and its licence; or a file in this folder, "three/LICENSE".
-
-    Returns
-    -------
-    Path
-        The file or folder inside the installed package, or that of the build folder of a checkout.
-
-    Raises
-    ------
-    FmuError
-        There is no such file, or a checkout has not been built yet.
-
-    Examples
-    --------
-    >>> web_path("DualCamForward.wasm").name
-    'DualCamForward.wasm'
-    >>> web_path("DualCamBackward.wasm")  # doctest: +ELLIPSIS
-    Traceback (most recent call last):
-    ...
-    dualcam.errors.FmuError: DualCamBackward.wasm is missing: looked for ...
-    """
+    """The file "DualCamForward.wasm" or "DualCamInverse.wasm", the folder "three", or a file in it."""
     if not isinstance(name, str) or not name:
         raise FmuError(f"web_path(name={name!r}): allowed is the name of a file or folder, such as 'three'")
-    places = [folder / name for folder in (PACKAGE / "web", PACKAGE.parent / "build" / "web")]
-    for path in places:
-        if path.exists():
-            return path
-    raise FmuError(
-        f"{name} is missing: looked for {' and '.join(map(str, places))}. In a checkout run ./build.sh, which"
-        " makes build/web and warns where three.js cannot be downloaded; an installed package has the files"
-        " inside: install the package again"
+    return _found(
+        name,
+        ("web", "build/web"),
+        "",
+        "which makes build/web and warns where three.js cannot be downloaded;"
+        " an installed package has the files inside: install the package again",
     )
 
 
-def source_path(source: str | Path, fmi: int | None = None) -> Path:
-    """The file behind a name ("forward", "inverse") or a path. `fmi`: version of a named FMU, 2 if None.
+def _found(name: str, folders: tuple[str, str], what: str, remedy: str) -> Path:
+    """`name` in a folder of the installed package, or of a checkout. FmuError where it is in none."""
+    places = [root / folder / name for root, folder in zip((PACKAGE, PACKAGE.parent), folders, strict=True)]
+    for path in places:
+        if path.exists():
+            return path
+    looked = " and ".join(map(str, places))
+    raise FmuError(f"{name}{what} is missing: looked for {looked}. In a checkout run ./build.sh, {remedy}")
 
-    FmuError where `source` is neither a text nor a path."""
+
+def source_path(source: str | Path, fmi: int | None = None) -> Path:
+    """The file behind a name ("forward", "inverse") or a path. FmuError for anything else."""
     if not isinstance(source, str | Path):
         raise FmuError(
             f"FMU {source!r}: allowed are {', '.join(map(repr, MODELS))}, or the path of an FMU (str or Path)"

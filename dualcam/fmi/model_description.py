@@ -1,7 +1,5 @@
 """The modelDescription.xml of an FMU of FMI 2.0 or FMI 3.0, read into typed objects."""
 
-from __future__ import annotations
-
 import xml.etree.ElementTree as ElementTree
 import zipfile
 import zlib
@@ -9,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
+from dualcam.common.entries import repeated
 from dualcam.errors import FmuError
 
 Scalar = float | int | bool | str
@@ -26,7 +25,6 @@ TRUE = ("true", "1")
 
 # What `initial` is where the XML does not say: FMI 2.0, section 2.2.7, and FMI 3.0, section 2.4.7.5.
 PARAMETERS = ("parameter", "structuralParameter")
-CALCULATED = {"constant": "exact", "fixed": "calculated", "tunable": "calculated"}
 
 
 @dataclass(frozen=True)
@@ -35,23 +33,17 @@ class Variable:
 
     Attributes
     ----------
-    name : str
+    name, description : str
     value_reference : int
         The number by which FMI calls name the variable.
     type : str
-        Type as in the XML: "Real", "Integer", "Boolean", "String", "Enumeration" in FMI 2.0; "Float64",
-        "Int32" and so on in FMI 3.0.
-    causality, variability : str
-        FMI's words: "parameter", "input", "output", ...; "fixed", "tunable", "continuous", ...
-    initial : str or None
-        "exact", "approx", "calculated"; None for the independent variable.
+        As in the XML: "Real", "Integer" and so on in FMI 2.0; "Float64", "Int32" and so on in FMI 3.0.
+    causality, variability, initial : str
+        FMI's words, such as "parameter", "tunable", "exact"; `initial` is None for the independent variable.
     start : float, int, bool, str or None
         Start value by type. None without start value, and of arrays and binary variables.
-    min, max : float, int or None
-        Least and greatest allowed value, the declared type's where the variable itself has none.
-    unit : str or None
-        Unit, the declared type's where the variable itself has none.
-    description : str
+    min, max, unit : float, int, str or None
+        Limits of allowed values, and unit; those of the declared type where the variable itself has none.
     declared_type : str or None
         Name of the declared type.
     is_array : bool
@@ -80,8 +72,7 @@ class Variable:
 
 @dataclass(frozen=True)
 class Interface:
-    """What the FMU can do in one use, co-simulation or model exchange. A capability that the XML does not
-    name is absent."""
+    """What the FMU can do in one use; a capability that the XML does not name is absent."""
 
     model_identifier: str
     needs_execution_tool: bool = False
@@ -147,16 +138,11 @@ def read_model_description(path: str | Path) -> ModelDescription:
     Parameters
     ----------
     path : str or Path
-        An FMU of FMI 2.0 or FMI 3.0.
+        An FMU of FMI 2.0 or FMI 3.0. FmuError for anything else.
 
     Returns
     -------
     ModelDescription
-
-    Raises
-    ------
-    FmuError
-        There is no file, the file is no FMU, or the description is not valid.
 
     Examples
     --------
@@ -187,30 +173,7 @@ def read_model_description(path: str | Path) -> ModelDescription:
 
 
 def parse_model_description(content: str | bytes) -> ModelDescription:
-    """Parse the text of a modelDescription.xml.
-
-    Parameters
-    ----------
-    content : str or bytes
-        The whole XML document.
-
-    Returns
-    -------
-    ModelDescription
-
-    Raises
-    ------
-    FmuError
-        The document is no valid description of an FMU of FMI 2.0 or FMI 3.0.
-
-    Examples
-    --------
-    >>> from dualcam.fmi.model_description import parse_model_description
-    >>> parse_model_description("<fmiModelDescription fmiVersion='1.0'/>")
-    Traceback (most recent call last):
-    ...
-    dualcam.errors.FmuError: the FMU is of FMI 1.0: allowed are 2.0 and 3.0
-    """
+    """The description in the text of a modelDescription.xml. FmuError if there is none of FMI 2.0 or 3.0."""
     try:
         root = ElementTree.fromstring(content)
     except ElementTree.ParseError as error:
@@ -234,13 +197,13 @@ def _parsed(root: ElementTree.Element, version: str) -> ModelDescription:
     read = _read_2 if version == "2.0" else _read_3
     token = "guid" if version == "2.0" else "instantiationToken"
     types = _declared_types(root)
-    listed = root.find("ModelVariables")
-    variables = tuple(
-        variable for element in (listed if listed is not None else ()) for variable in read(element, types)
-    )
-    _check_names(variables)
+    variables = tuple(one for element in root.iterfind("ModelVariables/*") for one in read(element, types))
+    for name in repeated(variable.name for variable in variables):
+        raise FmuError(f"variable {name} is there twice")
     uses = {use: _interface(root.find(use)) for use in ("CoSimulation", "ModelExchange")}
-    states, indicators = _counts(root, version)
+    rates = "Derivatives/Unknown" if version == "2.0" else "ContinuousStateDerivative"
+    states = root.findall(f"ModelStructure/{rates}")
+    indicators = len(root.findall("ModelStructure/EventIndicator"))  # of FMI 3.0
     return ModelDescription(
         fmi_version=version,
         model_name=root.attrib["modelName"],
@@ -250,27 +213,8 @@ def _parsed(root: ElementTree.Element, version: str) -> ModelDescription:
         co_simulation=uses["CoSimulation"],
         model_exchange=uses["ModelExchange"],
         default_experiment=_experiment(root.find("DefaultExperiment")),
-        state_count=states,
-        event_indicator_count=indicators,
-    )
-
-
-def _check_names(variables: tuple[Variable, ...]) -> None:
-    seen: set[str] = set()
-    for variable in variables:
-        if variable.name in seen:
-            raise FmuError(f"variable {variable.name} is there twice")
-        seen.add(variable.name)
-
-
-def _counts(root: ElementTree.Element, version: str) -> tuple[int, int]:
-    """Numbers of states and of event indicators."""
-    if version == "2.0":
-        states = root.findall("ModelStructure/Derivatives/Unknown")
-        return len(states), int(root.get("numberOfEventIndicators", 0))
-    return (
-        len(root.findall("ModelStructure/ContinuousStateDerivative")),
-        len(root.findall("ModelStructure/EventIndicator")),
+        state_count=len(states),
+        event_indicator_count=indicators or int(root.get("numberOfEventIndicators", 0)),
     )
 
 
@@ -302,16 +246,13 @@ def _experiment(element: ElementTree.Element | None) -> DefaultExperiment:
     return DefaultExperiment(*(float(given[name]) if name in given else None for name in names))
 
 
-# ---- variables ----
-
 Attributes = dict[str, str]
 
 
 def _declared_types(root: ElementTree.Element) -> dict[str, Attributes]:
     """Attributes of each declared type by its name. FMI 2.0 has them in a child, FMI 3.0 in the element."""
-    listed = root.find("TypeDefinitions")
     found = {}
-    for element in listed if listed is not None else ():
+    for element in root.iterfind("TypeDefinitions/*"):
         inner = element[0] if element.tag == "SimpleType" and len(element) else element
         found[element.attrib["name"]] = dict(inner.attrib)
     return found
@@ -360,6 +301,9 @@ def _variable(
     variability = given.get("variability") or (
         "fixed" if causality in (*PARAMETERS, "calculatedParameter") else usual_variability
     )
+    usual_initial = None if causality == "independent" else "calculated"
+    if causality in (*PARAMETERS, "input") or (usual_initial and variability == "constant"):
+        usual_initial = "exact"
 
     def value(attribute: str) -> Scalar | None:
         text = given.get(attribute, inherited.get(attribute) if attribute != "start" else None)
@@ -375,7 +319,7 @@ def _variable(
         type=type_name,
         causality=causality,
         variability=variability,
-        initial=given.get("initial") or _initial(causality, variability),
+        initial=given.get("initial") or usual_initial,
         start=value("start"),
         min=number("min"),
         max=number("max"),
@@ -384,14 +328,6 @@ def _variable(
         declared_type=declared,
         is_array=is_array,
     )
-
-
-def _initial(causality: str, variability: str) -> str | None:
-    if causality == "independent":
-        return None
-    if causality in (*PARAMETERS, "input"):
-        return "exact"
-    return CALCULATED.get(variability, "calculated")
 
 
 def _value(name: str, attribute: str, kind: Kind, text: str) -> Scalar | None:

@@ -1,8 +1,6 @@
 """Groups of real variables with buffers that are laid out once: reading or writing a group costs one call
 into the FMU and allocates only the returned floats."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from ctypes import c_double
 
@@ -75,11 +73,6 @@ class Reals(ProcessBound):
         -------
         list of float
             The n values as plain floats, which are the fastest for scalar code.
-
-        Raises
-        ------
-        FmuError
-            No run has begun, the FMU is closed, or the FMU refuses.
         """
         instance = self._instance
         status = instance.get_real(*self._arguments)
@@ -88,20 +81,14 @@ class Reals(ProcessBound):
         return self._buffer[:]
 
     def write(self) -> None:
-        """Send `values` to the FMU.
-
-        Raises
-        ------
-        FmuError
-            No run has begun, the FMU is closed, or the FMU refuses a value.
-        """
+        """Send `values` to the FMU. FmuError where the FMU refuses a value."""
         instance = self._instance
         status = instance.set_real(*self._arguments)
         if status > OK_OR_WARNING:
             instance.check(status, instance.SET_REAL)
 
     def read_derivatives(self, order: int) -> list[float]:
-        """Time derivatives of the group, whose variables are all outputs.
+        """Time derivatives of the group, whose variables are all outputs; else an FmuError.
 
         Parameters
         ----------
@@ -112,11 +99,6 @@ class Reals(ProcessBound):
         -------
         list of float
             The n derivatives, in the variable's unit per s or per s2.
-
-        Raises
-        ------
-        FmuError
-            Another order, a variable that is no output, or no run has begun.
         """
         self._instance.require_calls_allowed()
         derivatives = (c_double * len(self.names))()
@@ -126,23 +108,20 @@ class Reals(ProcessBound):
     def write_derivatives(self, order: int, values: Sequence[float]) -> None:
         """Set time derivatives of the group, whose variables are all inputs, for the next step only.
 
+        FmuError for other variables, and in FMI 3.0, which has no derivatives of inputs.
+
         Parameters
         ----------
         order : {1, 2, 3}
             Order of the derivatives.
         values : sequence of float, shape (n,)
             The derivatives, in the variable's unit per s, s2 or s3.
-
-        Raises
-        ------
-        FmuError
-            Another order or shape, a variable that is no input, an FMU of FMI 3.0 (which has no derivatives
-            of inputs), or no run has begun.
         """
         self._instance.require_calls_allowed()
         given = real_array(values, "values", FmuError, self._values.shape)
-        derivatives = (c_double * len(self.names))(*given)
-        self._instance.set_input_derivatives(self._references, _order(order), derivatives)
+        derivatives, orders = (c_double * len(self.names))(*given), [_order(order)] * len(self.names)
+        call = self._instance.input_derivatives_call(self._references, orders, derivatives)
+        self._instance.check(call(), "setting derivatives of inputs")
 
 
 def _order(order: int) -> int:

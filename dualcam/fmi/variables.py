@@ -1,7 +1,5 @@
 """Parameters and inputs of this package's FMUs, from their modelDescription.xml: the source of all limits."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from dualcam.common.arrays import Array
 from dualcam.errors import TaskError
-from dualcam.fleet.arguments import whole_number
+from dualcam.fleet.values import whole_number
 from dualcam.gym.batch import Batch
 from dualcam.gym.car_door_task import CarDoorTask
 from dualcam.gym.elbow_task import ElbowTask

@@ -7,9 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import dualcam
-from dualcam.common.html_page import page, table
+from dualcam.common.html_page import figure_element, page, table
 from dualcam.common.paths import page_path_of, write_text
-from dualcam.common.svg import figure_element
 from dualcam.identification.doubts import doubts_of
 from dualcam.identification.picture import plot_identification
 from dualcam.identification.result import HEADS, OPEN, rows_of

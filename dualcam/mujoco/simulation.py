@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from dualcam.common.arrays import Array, real_array
 from dualcam.errors import MujocoError
 from dualcam.fleet import Fleet
-from dualcam.fleet.arguments import chosen_instances
+from dualcam.fleet.values import chosen_instances
 from dualcam.mujoco.cam_joint import CamJoint
 from dualcam.mujoco.model_joint import check_range, checked_cams, checked_data, checked_model, hinge_joint
 from dualcam.mujoco.ports import DrivePort, Port, PortState, port_of

@@ -7,15 +7,16 @@
 May import common, design, simulation.
 """
 
-from dualcam.plots.design import plot_band, plot_simulation, plot_strength, save
-from dualcam.plots.durability import plot_contact, plot_goodman, plot_wear
+from dualcam.plots.design import (
+    plot_band,
+    plot_contact,
+    plot_goodman,
+    plot_simulation,
+    plot_strength,
+    plot_wear,
+    save,
+)
 
 __all__ = [
-    "plot_band",
-    "plot_contact",
-    "plot_goodman",
-    "plot_simulation",
-    "plot_strength",
-    "plot_wear",
-    "save",
-]
+    "plot_band", "plot_contact", "plot_goodman", "plot_simulation", "plot_strength", "plot_wear", "save",
+]  # fmt: skip

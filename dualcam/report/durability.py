@@ -1,15 +1,12 @@
 """The part of the report about what lasts: contact stress, roller, spring, wear."""
 
-from __future__ import annotations
-
 from html import escape
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dualcam.common.html_page import table
-from dualcam.common.svg import figure_element
-from dualcam.design import Limits
+from dualcam.common.html_page import figure_element, table
+from dualcam.design import Limits, Mechanism, Pin
+from dualcam.design_file import DesignFile
 from dualcam.design_file.durability import (
     largest_contact,
     roller_numbers,
@@ -19,13 +16,9 @@ from dualcam.design_file.durability import (
     wear_of,
 )
 from dualcam.errors import DesignError
-from dualcam.plots.durability import plot_contact, plot_goodman, plot_wear
+from dualcam.plots.design import plot_contact, plot_goodman, plot_wear
 from dualcam.report.inputs import Row
 from dualcam.report.summary import largest_loads, material_words, pressure_words
-
-if TYPE_CHECKING:
-    from dualcam.design import Mechanism, Pin, WearLife
-    from dualcam.design_file import DesignFile
 
 
 def durability_sections(design: DesignFile, mechanism: Mechanism) -> list[str]:
@@ -111,13 +104,14 @@ def _wear(design: DesignFile, mechanism: Mechanism) -> str:
     if found is None or numbers is None:
         return ""
     life = found.life(numbers.depth)
+    counts = {"groove 1": life.groove1, "groove 2": life.groove2, "pin": life.pin}
     try:
         worn = found.after(life.cycles)
     except DesignError:
         worn = None
     rows = [
         ("allowed depth of wear", f"{1e3 * numbers.depth:.4g} mm"),
-        *_lives(life, numbers.depth),
+        *((f"{name}: cycles until {1e3 * numbers.depth:.4g} mm", f"{n:.4g}") for name, n in counts.items()),
         ("sliding distance of a cycle", " and ".join(f"{1e3 * way:.4g} mm" for way in found.path)),
     ]
     if worn is not None:
@@ -132,8 +126,3 @@ def _wear(design: DesignFile, mechanism: Mechanism) -> str:
     text += " The roller rolls: the wear rates must be those of a rolling contact." if found.turns else ""
     picture = figure_element(plot_wear(found, worn, life.cycles), "Wear along each groove")
     return f"<h2>Wear</h2>\n<p>{text}</p>\n" + table(("what", "value"), rows) + picture
-
-
-def _lives(life: WearLife, depth: float) -> list[Row]:
-    counts = {"groove 1": life.groove1, "groove 2": life.groove2, "pin": life.pin}
-    return [(f"{name}: cycles until {1e3 * depth:.4g} mm", f"{count:.4g}") for name, count in counts.items()]

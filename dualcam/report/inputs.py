@@ -1,21 +1,16 @@
 """The inputs of a design as tables: parameters, spring, pin, limits and scenario, in SI and usual units."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import fields
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from dualcam.common.groove_laws import LAWS, PARAMETERS, laws_with
+from dualcam.design import HelicalSpring, Limits, Pin, Roller
+from dualcam.design_file import DesignFile
 from dualcam.design_file.friction_tables import ANALYTIC_FRICTION
 from dualcam.fmi.model_description import Scalar
 from dualcam.fmi.variables import SettableVariable, all_inputs, parameters_of
-
-if TYPE_CHECKING:
-    from dualcam.design import HelicalSpring, Limits, Pin, Roller
-    from dualcam.design_file import DesignFile
-    from dualcam.scenario.scenario import History, Scenario
+from dualcam.scenario.scenario import History, Scenario
 
 Row = tuple[str, ...]
 
@@ -55,7 +50,9 @@ def input_tables(design: DesignFile) -> dict[str, list[Row]]:
     if design.helical_spring is not None:
         tables["Wire and coil of the spring"] = _object("helical_spring", design.helical_spring)
     if design.limits is not None:
-        tables["Limits of the check"] = _limits(design.limits)
+        ends = zip(("least", "greatest"), design.limits.lead_angle, strict=True)
+        leads = [_row(f"limits.lead_angle, {which}", angle, "rad") for which, angle in ends]
+        tables["Limits of the check"] = leads + _object("limits", design.limits)
     if design.scenario is not None:
         tables["Scenario"] = _scenario(design.scenario)
     return tables
@@ -83,12 +80,9 @@ def _is_used(design: DesignFile, name: str) -> bool:
 def _parameter(variable: SettableVariable, value: Scalar, given: bool) -> Row:
     if variable.name.endswith(".profile"):
         row: Row = variable.name, LAWS[int(value)].word, "", ""
-    elif isinstance(value, str):
-        row = variable.name, Path(value).name, "", ""
-    elif isinstance(value, bool):
-        row = variable.name, "true" if value else "false", "", ""
     else:
-        row = _row(variable.name, value, variable.unit or "1")
+        shown = Path(value).name if isinstance(value, str) else value
+        row = _entry(variable.name, shown, variable.unit or "1")
     return row if given else (f"{row[0]} (default)", *row[1:])
 
 
@@ -100,27 +94,17 @@ def _row(name: str, value: float, unit: str) -> Row:
 
 def _object(table: str, of: Pin | Roller | HelicalSpring | Limits) -> list[Row]:
     """The keys of a table whose object has their values; a key without value is left out."""
-    values = {field.name: getattr(of, field.name) for field in fields(of)}
-    return [_entry(table, name, value) for name, value in values.items() if value is not None]
+    values = {field.name: getattr(of, field.name) for field in fields(of) if field.name != "lead_angle"}
+    units = UNITS[table]
+    return [_entry(f"{table}.{k}", v, units.get(k, "1")) for k, v in values.items() if v is not None]
 
 
-def _entry(table: str, name: str, value: Scalar) -> Row:
-    key = f"{table}.{name}"
+def _entry(key: str, value: Scalar, unit: str) -> Row:
     if isinstance(value, bool):
         return key, "true" if value else "false", "", ""
     if isinstance(value, str):
         return key, value, "", ""
-    return _row(key, value, UNITS[table].get(name, "1"))
-
-
-def _limits(limits: Limits) -> list[Row]:
-    others = {f.name: getattr(limits, f.name) for f in fields(limits) if f.name != "lead_angle"}
-    least, greatest = limits.lead_angle
-    return [
-        _row("limits.lead_angle, least", least, "rad"),
-        _row("limits.lead_angle, greatest", greatest, "rad"),
-        *(_entry("limits", name, value) for name, value in others.items()),
-    ]
+    return _row(key, value, unit)
 
 
 def _scenario(scenario: Scenario) -> list[Row]:

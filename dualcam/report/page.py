@@ -3,22 +3,18 @@
 The file needs no network: pictures are SVG inside the page, and the page has no script.
 """
 
-from __future__ import annotations
-
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 import dualcam
 from dualcam.checking import Verdict, check_design
-from dualcam.common.html_page import page, table
+from dualcam.common.html_page import figure_element, page, table
 from dualcam.common.paths import page_path_of, write_text
-from dualcam.common.svg import figure_element
-from dualcam.design import TorqueBand, torque_band
+from dualcam.design import Mechanism, TorqueBand, torque_band
 from dualcam.design.band import NOT_LOCKING, span
-from dualcam.design_file import as_design
+from dualcam.design_file import DesignFile, DesignSource, as_design
 from dualcam.errors import DualcamError
 from dualcam.plots.design import plot_band, plot_simulation, plot_strength
 from dualcam.report.durability import durability_sections
@@ -32,10 +28,6 @@ from dualcam.report.summary import (
     span_words,
 )
 from dualcam.simulation.run import ENERGIES, Trajectory, simulate
-
-if TYPE_CHECKING:
-    from dualcam.design import Mechanism
-    from dualcam.design_file import DesignFile, DesignSource
 
 F_EXT = "F_ext is an external axial force on the follower, positive against loading."
 LABELS = {
@@ -53,13 +45,12 @@ LABELS = {
 
 
 def write_report(design: DesignSource, path: str | Path) -> Path:
-    """Write a report about a design.
+    """Write a report about a design. A design that does not work is no error: the report says why.
 
     Parameters
     ----------
     design : DesignFile, str or Path
-        The design, from `read_design`, or the path of its file. Without a scenario the report has no
-        simulation.
+        The design, from `read_design`, or the path of its file. Without a scenario there is no simulation.
     path : str or Path
         The HTML file.
 
@@ -71,9 +62,7 @@ def write_report(design: DesignSource, path: str | Path) -> Path:
     Raises
     ------
     DualcamError
-        For another ending than .html. A design that does not work is no error: the report says why.
-    FileError
-        The system refuses to write the file.
+        For another ending than .html, or a file that cannot be written.
 
     Examples
     --------
@@ -112,7 +101,7 @@ def _findings(verdict: Verdict) -> str:
         f'<li class="{finding.severity}"><b>{finding.severity}:</b> {escape(finding.text)}</li>\n'
         for finding in verdict.findings
     )
-    return f"<h2>Findings</h2>\n{head}\n<ul>\n{items}</ul>\n" if items else f"<h2>Findings</h2>\n{head}\n"
+    return f"<h2>Findings</h2>\n{head}\n" + (f"<ul>\n{items}</ul>\n" if items else "")
 
 
 def _curves(design: DesignFile, verdict: Verdict) -> list[str]:
@@ -160,13 +149,10 @@ def _reactions(design: DesignFile, mechanism: Mechanism) -> str:
 def _simulation(trajectory: Trajectory, band: TorqueBand) -> str:
     last = {name: trajectory[name][-1] for name in trajectory.names}
     scale = energy_scale(trajectory)
-    heats = [name for name in ENERGIES if name.startswith("energy.heat") and name in last]
-    rows = [
-        (LABELS[name], energy_words(last[name], scale))
-        for name in ENERGIES
-        if name in last and name != "energy.residual"
-    ]
-    rows.append(("all heat of this run", energy_words(sum(last[name] for name in heats), scale)))
+    accounts = [name for name in ENERGIES if name in last and name != "energy.residual"]
+    rows = [(LABELS[name], energy_words(last[name], scale)) for name in accounts]
+    heat = sum(last[name] for name in accounts if name.startswith("energy.heat"))
+    rows.append(("all heat of this run", energy_words(heat, scale)))
     rows.append((LABELS["energy.residual"], residual_words(trajectory)))
     return (
         "<h2>Simulation</h2>\n"

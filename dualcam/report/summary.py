@@ -1,21 +1,15 @@
 """Results of a design in a few numbers and words, for the command line and for reports."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
+from dualcam.design import Mechanism
 from dualcam.design.hertz import Pin
 from dualcam.design.strength import strength
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from dualcam.design import Mechanism
-    from dualcam.simulation.run import Trajectory
+from dualcam.simulation.run import Trajectory
 
 POINTS = 721  # angles at which the largest values are searched
 SAME = 1e-9  # loads of both cams with a smaller relative difference count as equal
@@ -48,9 +42,8 @@ class LargestLoads:
 def largest_loads(mechanism: Mechanism, pin: Pin | None) -> LargestLoads:
     """Largest reaction of one contact and, with a pin, largest contact pressure (Hertz, line contact)."""
     found = strength(mechanism, pin, mechanism.angles(POINTS))
-    return LargestLoads(
-        _largest(found.load, found.theta), _largest(found.pressure, found.theta) if pin else None
-    )
+    pressure = _largest(found.pressure, found.theta) if pin else None
+    return LargestLoads(_largest(found.load, found.theta), pressure)
 
 
 def _largest(values: NDArray[np.float64], theta: NDArray[np.float64]) -> Largest:

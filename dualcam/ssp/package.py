@@ -6,24 +6,18 @@ applies the sets of a name, libcosim the first of each component, FMPy none. So 
 the start values of its component itself, too.
 """
 
-from __future__ import annotations
-
 import io
 import tempfile
 import xml.etree.ElementTree as ET
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from dualcam.common.archive import write_archive
 from dualcam.common.paths import path_of, whole_file
+from dualcam.design_file import DesignFile, DesignSource
 from dualcam.errors import DesignError
-from dualcam.ssp.system_check import check_system
-from dualcam.ssp.system_structure import Component, SystemStructure, Value
-
-if TYPE_CHECKING:
-    from dualcam.design_file import DesignFile, DesignSource
+from dualcam.ssp.system_structure import Component, SystemStructure, Value, check_system
 
 START = "start"
 NAMES = {
@@ -99,8 +93,7 @@ class System(SystemStructure):
         Raises
         ------
         DesignError
-            Another ending than .ssp, a missing folder, the file of a component; wrong names, start values,
-            connections, ports, times, or FMUs: all problems at once.
+            A path that is no good; wrong names, start values, connections, ports, times, FMUs: all at once.
 
         Warns
         -----
@@ -153,26 +146,15 @@ def component_of(system: SystemStructure, end: str) -> Component:
     return next(component for component in system.components if component.name == split(end)[0])
 
 
-def causality_of(system: SystemStructure, end: str) -> str:
-    """Causality of the variable `end`, "component.variable"."""
-    return component_of(system, end).variables[split(end)[1]][0]
-
-
-def add_ports(content: ET.Element, system: SystemStructure, units: dict[str, dict[str, str]]) -> None:
-    """The connectors of the system itself; their units go to `units`."""
-    if not system.ports:
-        return
-    connectors = add(content, "ssd:Connectors")
-    for port in system.ports:
-        units |= add_connector(connectors, component_of(system, port), split(port)[1])
-
-
 def structure(system: SystemStructure) -> ET.Element:
     """SystemStructure.ssd."""
     root = ET.Element(tag("ssd:SystemStructureDescription"), name=system.name, version="1.0")
     content = add(root, "ssd:System", name=system.name, description=system.text)
     units = dict[str, dict[str, str]]()
-    add_ports(content, system, units)
+    if system.ports:
+        connectors = add(content, "ssd:Connectors")
+        for port in system.ports:
+            units |= add_connector(connectors, component_of(system, port), split(port)[1])
     elements = add(content, "ssd:Elements")
     connected = {*system.ports, *(end for pair in system.connections for end in pair)}
     # FMPy 0.3.32 gives an input without connection the value of another input
@@ -221,7 +203,8 @@ def add_connections(content: ET.Element, system: SystemStructure) -> None:
         add(connections, "ssd:Connection", **ends)
     for port in system.ports:
         owner, variable = split(port)
-        side, other = ("end", "start") if causality_of(system, port) == "input" else ("start", "end")
+        is_input = component_of(system, port).variables[variable][0] == "input"
+        side, other = ("end", "start") if is_input else ("start", "end")
         ends = {f"{side}Element": owner, f"{side}Connector": variable, f"{other}Connector": variable}
         add(connections, "ssd:Connection", **ends)
 
@@ -242,18 +225,8 @@ def parameters(component: Component) -> ET.Element:
 
 
 def design_system(design: DesignFile, fmu: Path, step: float = 1e-3, ports: bool = False) -> System:
-    """The system with one component "cam": an exported FMU with the design's numbers as start values.
-
-    Parameters
-    ----------
-    design
-        The design; its text parameters (table files) are those inside the FMU.
-    fmu
-        The exported FMU, FMI 2.0.
-    step
-        Communication step [s] that the package proposes.
-    ports
-        Whether the inputs and outputs of the cam are connectors of the system, too.
+    """The system with one component "cam": `fmu`, an FMU of FMI 2.0 exported from the design, with the
+    numbers of the design as start values. `step` [s] and `ports` are those of `export_ssp`.
     """
     values: dict[str, Value] = {k: v for k, v in design.parameters_for().items() if not isinstance(v, str)}
     cam = Component("cam", fmu, values)
@@ -265,10 +238,10 @@ def design_system(design: DesignFile, fmu: Path, step: float = 1e-3, ports: bool
 
 
 def export_ssp(design: DesignSource, path: str | Path, step: float = 1e-3, *, ports: bool = False) -> Path:
-    """Write an SSP package with the FMU of a design.
+    """Write an SSP package with one component "cam", the FMU of a design.
 
-    The package holds one component "cam" with the FMU of the design, and the design's numbers as a parameter
-    set "start" (`resources/cam.ssv`). The torque of the design's scenario is no part of the package.
+    The design's numbers are the parameter set "start" (`resources/cam.ssv`). The torque of the scenario is no
+    part of the package.
 
     Parameters
     ----------
@@ -289,10 +262,8 @@ def export_ssp(design: DesignSource, path: str | Path, step: float = 1e-3, *, po
 
     Raises
     ------
-    DesignError
-        For another ending than .ssp, a missing folder, or a step that is no number > 0.
-    FmuError
-        The FMU refuses the design.
+    DualcamError
+        A path or step that is no good, or a design that the FMU refuses.
 
     Examples
     --------

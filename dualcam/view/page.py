@@ -1,7 +1,5 @@
 """Puts the page together: template, style, modules, three.js, WebAssembly and the values of the design."""
 
-from __future__ import annotations
-
 import base64
 import json
 import re
@@ -9,22 +7,19 @@ from collections.abc import Mapping
 from html import escape
 from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import dualcam
 from dualcam.common.groove_laws import LAWS, PARAMETERS, laws_with
 from dualcam.common.paths import page_path_of, write_text
 from dualcam.common.unit_guards import units_checked_before
-from dualcam.design_file import as_design
+from dualcam.design_file import DesignFile, DesignSource, as_design
 from dualcam.errors import ExportError
 from dualcam.export.exporter import table_file
 from dualcam.export.scenario import scenario_for, scenario_table
 from dualcam.fmi.fmu import Fmu
 from dualcam.fmi.library import MODELS, fmu_path, web_path
 from dualcam.fmi.model_description import Scalar, read_model_description
-
-if TYPE_CHECKING:
-    from dualcam.design_file import DesignFile, DesignSource
 
 FOLDER = Path(__file__).resolve().parent
 MODEL = "forward"
@@ -40,8 +35,8 @@ INVERSE = (
 def write_view(design: DesignSource | None, path: str | Path) -> Path:
     """Write the page in which a design lives.
 
-    The page is one HTML file: the FMU's C code as WebAssembly, the mechanism in 3D, sliders for all
-    parameters. The page opens from disk and asks no network for anything.
+    The page is one HTML file that asks no network for anything: the FMU's C code as WebAssembly, the
+    mechanism in 3D, sliders for all parameters. It runs the forward model, also for an imposed motion.
 
     Parameters
     ----------
@@ -58,24 +53,16 @@ def write_view(design: DesignSource | None, path: str | Path) -> Path:
     Raises
     ------
     FmuError
-        The FMU refuses the design. The message is the FMU's. Also where the package lacks the WebAssembly.
+        The FMU refuses the design, with the FMU's message, or the package lacks the WebAssembly.
     DualcamError
-        For another ending than .html, or a groove table that cannot be read.
-    FileError
-        The system refuses to write the file.
-
-    Notes
-    -----
-    The page runs the forward model, also for a design whose scenario imposes the motion.
+        For another ending than .html, a groove table that cannot be read, or a file that cannot be written.
 
     Examples
     --------
     >>> import tempfile
-    >>> from dualcam.design_file import write_template
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     design = write_template("minimal", Path(folder) / "my.toml")
-    ...     write_view(design, Path(folder) / "my.html").name
-    'my.html'
+    ...     write_view(None, Path(folder) / "cam.html").name
+    'cam.html'
     """
     path = page_path_of(path, "the page")
     write_text(path, view_page(None if design is None else as_design(design)))
@@ -83,32 +70,18 @@ def write_view(design: DesignSource | None, path: str | Path) -> Path:
 
 
 def view_page(design: DesignFile | None = None) -> str:
-    """The page as the text of an HTML file.
-
-    Parameters
-    ----------
-    design : DesignFile, optional
-        The design; the default mechanism of the FMU if not given.
-
-    Returns
-    -------
-    str
-        The text of the page.
-
-    Raises
-    ------
-    FmuError
-        The FMU refuses the design.
-    """
+    """The page as text; None: the default mechanism. FmuError if the FMU refuses the design."""
     content = page_content(design)
+    third_party = (web_path(THREE) / "LICENSE").read_text(encoding="utf-8")
     model = base64.b64encode(web_path(f"{MODELS[MODEL]}.wasm").read_bytes()).decode()
     parts = {
         "title": escape(content["title"]),
         "style": (FOLDER / "style.css").read_text(encoding="utf-8"),
         "imports": json.dumps({"imports": _modules()}),
-        "content": _in_script(json.dumps(content)),
+        "content": json.dumps(content).replace("<", "\\u003c"),  # cannot end the element that holds it
         "model": model,
-        "licences": _licences(),
+        "licences": f"<h3>dualcam</h3><pre>{escape(_own_licence())}</pre>\n"
+        f"<h3>three.js</h3><pre>{escape(third_party)}</pre>",
         "version": escape(dualcam.__version__),
     }
     template = (FOLDER / "page.html").read_text(encoding="utf-8")
@@ -116,18 +89,7 @@ def view_page(design: DesignFile | None = None) -> str:
 
 
 def page_content(design: DesignFile | None) -> dict[str, Any]:
-    """What the page knows of the design: words, the FMU's variables, start values, tables and scenario.
-
-    Parameters
-    ----------
-    design : DesignFile or None
-        The design; None for the default mechanism.
-
-    Returns
-    -------
-    dict
-        For JSON.
-    """
+    """What the page knows, for JSON: words, variables, start values, tables, scenario; None: the defaults."""
     parameters = {} if design is None else _start_values(design)
     with Fmu(fmu_path(MODEL)) as fmu, units_checked_before():
         fmu.start(parameters)  # refuses a design that cannot work, with the FMU's own words
@@ -144,8 +106,7 @@ def page_content(design: DesignFile | None) -> dict[str, Any]:
 
 
 def _start_values(design: DesignFile) -> dict[str, Scalar]:
-    """Parameters of the forward model. A design whose scenario imposes the motion need not say where the
-    forward model starts: where the stops exclude theta = 0, at the nearest stop."""
+    """Parameters of the forward model. A design that imposes the motion starts at 0, or the nearest stop."""
     given = design.parameters_for(MODEL)
     low, high = design.value("stop.lower"), design.value("stop.upper")
     if design.model == MODEL or low <= 0.0 <= high:
@@ -156,18 +117,11 @@ def _start_values(design: DesignFile) -> dict[str, Scalar]:
 def _description() -> dict[str, Any]:
     """The FMU's variables, as engine.js reads them."""
     read = read_model_description(fmu_path(MODEL))
+    keys = ("name", "type", "causality", "variability", "start", "min", "max", "unit", "description")
     variables = [
         {
-            "name": variable.name,
             "vr": variable.value_reference,
-            "type": variable.type,
-            "causality": variable.causality,
-            "variability": variable.variability,
-            "start": variable.start,
-            "min": variable.min,
-            "max": variable.max,
-            "unit": variable.unit,
-            "description": variable.description,
+            **{key: getattr(variable, key) for key in keys},
             **_of_groove_laws(variable.name),
         }
         for variable in read.variables
@@ -224,17 +178,6 @@ def _modules() -> dict[str, str]:
 def _data_url(text: str, name: str) -> str:
     named = f"{text}\n//# sourceURL={name}.js\n"  # the name in messages of the browser
     return f"data:text/javascript;base64,{base64.b64encode(named.encode()).decode()}"
-
-
-def _in_script(text: str) -> str:
-    """JSON that cannot end the element that holds the JSON."""
-    return text.replace("<", "\\u003c")
-
-
-def _licences() -> str:
-    return f"<h3>dualcam</h3><pre>{escape(_own_licence())}</pre>\n<h3>three.js</h3><pre>" + (
-        f"{escape((web_path(THREE) / 'LICENSE').read_text(encoding='utf-8'))}</pre>"
-    )
 
 
 def _own_licence() -> str:

@@ -8,26 +8,23 @@ read_columns            columns by the names in the header, as plans of studies 
 fmu_text, is_fmu_text   the one format that the FMU reads
 """
 
-from dualcam.common.tables.fmu_format import FRICTION_HEADERS, GROOVE_HEADER, fmu_text, is_fmu_text
-from dualcam.common.tables.kinds import ANGLE_NAMES, TORQUE_NAMES, ColumnKind, TableKind
 from dualcam.common.tables.reader import Converter, HumanTable, read_columns, read_table
-from dualcam.common.tables.units import UNITS, in_unit
+from dualcam.common.tables.units import (
+    ANGLE_NAMES,
+    FRICTION_HEADERS,
+    GROOVE_HEADER,
+    TORQUE_NAMES,
+    UNITS,
+    ColumnKind,
+    TableKind,
+    fmu_text,
+    in_unit,
+    is_fmu_text,
+)
 from dualcam.errors import TableError
 
 __all__ = [
-    "ANGLE_NAMES",
-    "FRICTION_HEADERS",
-    "GROOVE_HEADER",
-    "TORQUE_NAMES",
-    "UNITS",
-    "ColumnKind",
-    "Converter",
-    "HumanTable",
-    "TableError",
-    "TableKind",
-    "fmu_text",
-    "in_unit",
-    "is_fmu_text",
-    "read_columns",
+    "ANGLE_NAMES", "FRICTION_HEADERS", "GROOVE_HEADER", "TORQUE_NAMES", "UNITS", "ColumnKind", "Converter",
+    "HumanTable", "TableError", "TableKind", "fmu_text", "in_unit", "is_fmu_text", "read_columns",
     "read_table",
-]
+]  # fmt: skip

@@ -1,17 +1,21 @@
 """The header of a table: where it is, and which column is which quantity."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import islice
 from typing import NamedTuple
 
-from dualcam.common.tables.kinds import ColumnKind, TableKind
-from dualcam.common.tables.rows import LONGEST, SEPARATORS, is_number, split
-from dualcam.common.tables.text import Line, Lines
-from dualcam.common.tables.units import KINDS, UNITS, Head, head_of, known_unit
+from dualcam.common.tables.rows import LONGEST, SEPARATORS, Line, Lines, is_number, split
+from dualcam.common.tables.units import (
+    KINDS,
+    UNITS,
+    ColumnKind,
+    Head,
+    TableKind,
+    head_of,
+    known_unit,
+)
 from dualcam.errors import TableError
 
 FIRST_LINES = 200  # among which the header is
@@ -44,13 +48,8 @@ def without_separator_line(lines: Lines) -> tuple[str | None, Lines]:
     return (found[1], lines.since(1)) if found else (None, lines)
 
 
-# ---- the line ----
-
-
 def find_header(lines: Lines, comments: Lines, kind: TableKind, separator: str | None) -> Header:
-    """The first line that names all needed columns, which may be a comment above all rows.
-
-    TableError where there is none: with the reason for the line of words above the first line of numbers."""
+    """The first line, or comment above all rows, that names all needed columns. TableError without one."""
     for header in _candidates(lines, comments, separator):
         try:
             columns = columns_of(header, kind)
@@ -62,9 +61,8 @@ def find_header(lines: Lines, comments: Lines, kind: TableKind, separator: str |
     if words is None:
         if not kind.needs_header:
             return Header(lines[0], list(kind.quantities), separator or ",", 0)
-        raise TableError(
-            f"there is no header, so the units are not known: add a first line such as {kind.example}"
-        )
+        text = f"there is no header, so the units are not known: add a first line such as {kind.example}"
+        raise TableError(text)
     columns_of(words, kind)
     raise TableError(f"line {words.line.number}: there are rows above the header: write one table in a file")
 
@@ -119,8 +117,7 @@ def _has_rows_above(header: Header, lines: Lines, columns: Mapping[str, Column])
 
 
 def words_above_numbers(lines: Lines, comments: Lines, separator: str | None) -> Header | None:
-    """The line above the first line of numbers, or the first line where none has numbers. None: no words
-    are above the numbers."""
+    """The line above the first line of numbers, or the first line where none has numbers."""
     rows = (k for k, line in enumerate(islice(lines, FIRST_LINES)) if _has_numbers(line.text))
     first = next(rows, 1)
     if first == 0:
@@ -141,13 +138,8 @@ def _has_numbers(text: str) -> bool:
     return any(2 * sum(map(is_number, cells)) >= len(cells) for cells in rows)
 
 
-# ---- the columns ----
-
-
 def columns_of(header: Header, kind: TableKind) -> dict[str, Column]:
-    """The column of each quantity: by its name, or else as the only one with a unit of its kind.
-
-    TableError for a needed column that is absent, and for two columns of one quantity."""
+    """The column of each quantity: by its name, or as the only one with a unit of its kind; or TableError."""
     heads = [head_of(text) for text in header.heads]
     found: dict[str, Column] = {}
     for name, quantity in kind.quantities.items():

@@ -1,7 +1,5 @@
 """Tables from files: columns by quantity in SI units, and columns by name."""
 
-from __future__ import annotations
-
 import re
 import warnings
 from collections.abc import Callable, Collection, Mapping, Sequence
@@ -11,7 +9,6 @@ from pathlib import Path
 import numpy as np
 
 from dualcam.common.arrays import Array
-from dualcam.common.tables.fmu_format import is_fmu_text
 from dualcam.common.tables.header import (
     Column,
     Header,
@@ -20,49 +17,38 @@ from dualcam.common.tables.header import (
     without_separator_line,
     words_above_numbers,
 )
-from dualcam.common.tables.kinds import TableKind
 from dualcam.common.tables.rows import (
+    Lines,
     cells_of,
+    decoded_text,
     has_decimal_comma,
     likely_thousand,
+    lines_of,
     name_of,
     numbers_of,
     refuse_faults,
     separator_of,
 )
-from dualcam.common.tables.text import Lines, decoded_text, lines_of
-from dualcam.common.tables.units import UNITS, in_unit
+from dualcam.common.tables.units import UNITS, TableKind, in_unit, is_fmu_text
 from dualcam.common.unit_guards import unit_warning
 from dualcam.errors import TableError, UnitWarning
 
 NAME_AND_UNIT = re.compile(r"(\S.*?)\s+[\[(]\s*([^\])]+?)\s*[\])]")  # der(x) and x[1] have no unit
+Columns = Mapping[str, Column]
+NamedColumns = dict[str, Array | list[str]]
 Converter = Callable[[str, str, Array], Array]  # name, unit, values in the unit -> values
 
 
 @dataclass(frozen=True, eq=False)
 class HumanTable:
-    """The columns of a file, and how the file was understood.
+    """The columns of a file, and how the file was understood."""
 
-    Attributes
-    ----------
-    columns : mapping of str to ndarray, shape (n,)
-        By quantity, in SI units.
-    lines : ndarray of int, shape (n,)
-        Numbers of the lines of the file, from 1.
-    heads, units : mapping of str to str
-        By quantity: the head of the column in the file, and its unit ("" for a name without unit).
-    notes : tuple of str
-        What was guessed, in words.
-    warnings : tuple of str
-        Values that look as if they were in another unit, or had points between thousands.
-    """
-
-    columns: Mapping[str, Array]
-    lines: np.ndarray
-    heads: Mapping[str, str]
-    units: Mapping[str, str]
-    notes: tuple[str, ...]
-    warnings: tuple[str, ...]
+    columns: Mapping[str, Array]  # by quantity, shape (n,), in SI units
+    lines: np.ndarray  # of the file, from 1
+    heads: Mapping[str, str]  # by quantity, as in the file
+    units: Mapping[str, str]  # by quantity, "" for a name without unit
+    notes: tuple[str, ...]  # what was guessed, in words
+    warnings: tuple[str, ...]  # values that look like another unit, or had points between thousands
     _text: str
     _is_utf8: bool
 
@@ -74,26 +60,9 @@ class HumanTable:
 def read_table(
     path: Path, kind: TableKind, separator: str | None = None, decimal: str | None = None
 ) -> HumanTable:
-    """The columns of a table in a file.
+    """The columns of a table in a file, as docs/tables.md describes. `separator`, `decimal`: None is guessed.
 
-    Parameters
-    ----------
-    path : Path
-        The file; docs/tables.md says what it may look like.
-    kind : TableKind
-        What the columns are.
-    separator, decimal : str, optional
-        Between columns, and decimal sign; None: guessed.
-
-    Returns
-    -------
-    HumanTable
-
-    Raises
-    ------
-    DualcamError
-        The kind's own error: with the file, and the line and column where something is wrong.
-    """
+    The kind's error, with line and column, where something is wrong."""
     try:
         text, is_utf8 = decoded_text(path, kind.what)
     except TableError as error:
@@ -130,33 +99,10 @@ def _understood(
 
 def read_columns(
     path: Path, what: str, texts: Collection[str] = (), converted: Converter | None = None
-) -> dict[str, Array | list[str]]:
-    """All columns of a table in a file, by the names in its header.
+) -> NamedColumns:
+    """All columns of a table in a file, by the names in its header; those in `texts` hold texts.
 
-    Parameters
-    ----------
-    path : Path
-        The file, called `what` in messages.
-    texts : collection of str
-        Names of columns with texts.
-    converted : function, optional
-        For columns with a unit in brackets, as `radius [mm]`, or in a row of units: takes name, unit and
-        values. None: units are refused.
-
-    Returns
-    -------
-    dict of str to ndarray or list of str, shape (n,)
-
-    Raises
-    ------
-    TableError
-        With the file, and the line and column where something is wrong.
-
-    Warns
-    -----
-    UnitWarning
-        Parameters of the mechanism, without unit, that look as if they were in another unit.
-    """
+    `converted` takes name, unit and values of a column with a unit. TableError with line and column."""
     text, _ = decoded_text(path, what)
     try:
         return _named_columns(text, texts, converted)
@@ -164,9 +110,7 @@ def read_columns(
         raise TableError(f"{path}: {error}") from None
 
 
-def _named_columns(
-    text: str, texts: Collection[str], converted: Converter | None
-) -> dict[str, Array | list[str]]:
+def _named_columns(text: str, texts: Collection[str], converted: Converter | None) -> NamedColumns:
     lines, comments, separator = _lines(text, None, "spring.preload,cam1.friction")
     header = words_above_numbers(lines, comments, separator)
     if header is None:
@@ -179,26 +123,19 @@ def _named_columns(
     places = [place for place, name in enumerate(names) if name not in texts]
     cells, sign = _cells(rows, header, places, separator, None)
     numbers, _ = _numbers(rows, header, cells, places, sign, None)
-    found: dict[str, Array | list[str]] = {}
+    found: NamedColumns = {}
     for place, (name, match) in enumerate(zip(names, matches, strict=True)):
         if name in texts:
             found[name] = [cell.strip() for cell in cells[place :: len(names)]]
         elif match is None:
             found[name] = numbers[place]
-            _warn_of_unit(name, numbers[place])
+            if len(rows) and (doubt := unit_warning(name, _farthest(numbers[place]))):
+                warnings.warn(UnitWarning(doubt), stacklevel=3)
         elif converted is None:
             raise TableError(f"column {match[0]!r}: allowed are values in the FMU's units, without unit")
         else:
             found[name] = converted(name, match[2], numbers[place])
     return found
-
-
-def _warn_of_unit(name: str, values: Array) -> None:
-    if len(values) and (text := unit_warning(name, _farthest(values))):
-        warnings.warn(UnitWarning(text), stacklevel=2)
-
-
-# ---- what both share ----
 
 
 def _lines(text: str, separator: str | None, example: str) -> tuple[Lines, Lines, str | None]:
@@ -211,11 +148,7 @@ def _lines(text: str, separator: str | None, example: str) -> tuple[Lines, Lines
 
 
 def _cells(
-    rows: Lines,
-    header: Header,
-    places: Collection[int],
-    separator: str | None,
-    decimal: str | None,
+    rows: Lines, header: Header, places: Collection[int], separator: str | None, decimal: str | None
 ) -> tuple[list[str], str]:
     """The cells, row after row, and the separator. `places`: the columns of numbers."""
     width = len(header.heads)
@@ -246,9 +179,7 @@ def _check_count(count: int, kind: TableKind) -> None:
         raise TableError(f"{count:,} {lines} of numbers: allowed are {allowed}")
 
 
-def _check_order(
-    rows: Lines, values: Mapping[str, Array], columns: Mapping[str, Column], kind: TableKind
-) -> None:
+def _check_order(rows: Lines, values: Mapping[str, Array], columns: Columns, kind: TableKind) -> None:
     for name, column in values.items():
         order = kind.quantities[name].order
         steps = np.diff(column)
@@ -276,9 +207,7 @@ def _notes(lines: Lines, header: Header, guessed: str | None, comma: bool) -> tu
     return tuple(notes)
 
 
-def _unit_warnings(
-    values: Mapping[str, Array], columns: Mapping[str, Column], kind: TableKind
-) -> Sequence[str]:
+def _unit_warnings(values: Mapping[str, Array], columns: Columns, kind: TableKind) -> Sequence[str]:
     """Warnings of columns in SI units with values that look as if they were in another unit."""
     found = []
     for name, column in values.items():
@@ -288,18 +217,12 @@ def _unit_warnings(
     return [text for text in found if text]
 
 
-def _thousands(
-    cells: Sequence[str], header: Header, places: Mapping[str, int], separator: str
-) -> Sequence[str]:
+def _thousands(cells: Sequence[str], header: Header, places: Mapping[str, int], separator: str) -> list[str]:
     """A warning where all points may separate thousands."""
     columns = (cells[place :: len(header.heads)] for place in places.values())
     number = likely_thousand(columns, separator)
-    meant = number.replace(".", "")
-    return (
-        [f"{number} was read with a decimal point. If the points separate thousands, write {meant}"]
-        if number
-        else []
-    )
+    text = f"{number} was read with a decimal point. If the points separate thousands, write "
+    return [text + number.replace(".", "")] if number else []
 
 
 def _farthest(values: Array) -> float:

@@ -5,14 +5,16 @@ from __future__ import annotations
 import csv
 import math
 import re
-from collections.abc import Iterable, Sequence
+from bisect import bisect_left
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
-from typing import NoReturn
+from pathlib import Path
+from typing import NamedTuple, NoReturn
 
 import numpy as np
 
 from dualcam.common.arrays import Array
-from dualcam.common.tables.text import Line, Lines
 from dualcam.errors import TableError
 
 SEPARATORS = {";": "semicolons", "\t": "tabs", ",": "commas", " ": "spaces"}
@@ -23,6 +25,12 @@ WHOLE_PART, DECIMALS = re.compile(r"\s*[+-]?\d+"), re.compile(r"\d+(?:[eE][+-]?\
 FIRST_ROWS = 50  # that tell the separator
 MOST_LISTED = 3  # faults in one message
 LONGEST = 60  # characters of a line in a message
+LARGEST = 2**30  # bytes
+MARKS = {b"\xff\xfe": "utf-16", b"\xfe\xff": "utf-16"}  # first bytes of an encoding
+ZIP = b"PK\x03\x04"
+EMPTY = ";, \t\"'"  # what a line without content has
+# A comment stands alone in its line, or behind a number: the # of a text such as "run #1" is none.
+COMMENT_BEHIND = re.compile(r"""((?:^|[;,\t ])["']?[+-]?[\d.,]+(?:[eE][+-]?\d+)?["']?[;,\t ]*)#.*""")
 
 
 def name_of(separator: str) -> str:
@@ -43,10 +51,9 @@ def is_number(cell: str) -> bool:
 
 
 def separator_of(rows: Lines, width: int, places: Iterable[int], usual: str) -> str:
-    """The separator with which most of the first rows have `width` cells, and numbers at `places`.
+    """The separator with which most of the first rows have `width` cells and numbers at `places`, or `usual`.
 
-    `usual`: that of the header, which is taken where no separator does. With another one all cells must be
-    numbers: blanks and decimal commas could be taken for each other around a text."""
+    For another one all cells must be numbers: blanks and decimal commas look alike around a text."""
     order = [";", "\t", usual, ",", " "]
     needed = {separator: tuple(places) if separator == usual else range(width) for separator in order}
 
@@ -60,9 +67,7 @@ def separator_of(rows: Lines, width: int, places: Iterable[int], usual: str) -> 
 
 
 def cells_of(rows: Lines, width: int, separator: str, decimal: str | None) -> list[str]:
-    """The cells of all rows, row after row, `width` in each.
-
-    TableError for a row with more, and between blanks for a row with fewer: which one lacks is not known."""
+    """The cells of all rows, row after row, `width` in each. TableError for another number of cells."""
     joined = separator.join(rows.texts)
     is_plain = separator != " " and '"' not in joined
     if is_plain and {text.count(separator) for text in rows.texts} == {width - 1}:
@@ -93,9 +98,7 @@ def _without_empty_end(cells: list[str], width: int) -> list[str]:
 
 
 def _joined(row: Line, width: int) -> list[str]:
-    """The cells of a row whose commas separate and are decimal signs, too.
-
-    TableError where there is no way, or more than one, to make `width` cells."""
+    """The cells of a row whose commas separate and are decimal signs. TableError unless just one way fits."""
     parts = _without_empty_end(row.text.split(","), 2 * width)
     joins = [bool(WHOLE_PART.fullmatch(a) and DECIMALS.fullmatch(b)) for a, b in pairwise(parts)]
     # ways[k][n]: in how many ways the parts from k on make n cells
@@ -119,14 +122,8 @@ def _joined(row: Line, width: int) -> list[str]:
     return cells
 
 
-# ---- numbers ----
-
-
 def has_decimal_comma(columns: Iterable[Sequence[str]], separator: str) -> bool:
-    """Whether the comma is the decimal sign of cells.
-
-    Between commas a cell such as "1,331" may be a quoted number with thousands, so that some cell must be no
-    such number."""
+    """Whether the comma is the decimal sign. Between commas "1,331" may be a quoted number with thousands."""
     with_comma = [cell.strip("\"' \t") for column in columns for cell in column if "," in cell]
     if separator != ",":
         return bool(with_comma)
@@ -134,8 +131,7 @@ def has_decimal_comma(columns: Iterable[Sequence[str]], separator: str) -> bool:
 
 
 def likely_thousand(columns: Iterable[Sequence[str]], separator: str) -> str:
-    """A number such as 1.145 whose point may separate thousands, as where semicolons separate columns; empty
-    where any number tells that the point is the decimal sign."""
+    """A number such as 1.145 whose point may separate thousands; empty where any number tells otherwise."""
     dotted = [cell.strip("\"' \t") for column in columns for cell in column if "." in cell]
     may_be = separator == ";" and all(THOUSAND.fullmatch(cell) for cell in dotted)
     return dotted[0] if may_be and dotted else ""
@@ -191,3 +187,86 @@ def _hint(cell: str, comma: bool) -> str:
     if THOUSANDS.fullmatch(cell.strip("\"'")) and foreign in cell:
         return f"; thousands are not separated: write {cell.replace(foreign, '')}"
     return "" if cell else ". Leave out lines that lack a value"
+
+
+class Line(NamedTuple):
+    """A line of a file."""
+
+    number: int  # from 1
+    text: str
+
+
+@dataclass(frozen=True)
+class Lines:
+    """Lines of a file with content, in columns: a table may have millions."""
+
+    numbers: Sequence[int]
+    texts: Sequence[str]
+
+    def __len__(self) -> int:
+        return len(self.texts)
+
+    def __getitem__(self, place: int) -> Line:
+        return Line(self.numbers[place], self.texts[place])
+
+    def __iter__(self) -> Iterator[Line]:
+        return map(Line, self.numbers, self.texts)
+
+    def since(self, first: int) -> Lines:
+        """The lines from a place on."""
+        return Lines(self.numbers[first:], self.texts[first:])
+
+    def above(self, number: int) -> list[Line]:
+        """The lines above the line of that number."""
+        return [self[place] for place in range(bisect_left(self.numbers, number))]
+
+
+def decoded_text(path: Path, what: str) -> tuple[str, bool]:
+    """The text of the file `what`, and whether it is in UTF-8. TableError for a file that cannot be read."""
+    if path.is_dir():
+        raise TableError(f"{path} is a folder: allowed is a file with a {what}")
+    try:
+        with path.open("rb") as file:
+            content = file.read(LARGEST + 1)
+    except FileNotFoundError:
+        raise TableError(f"there is no {what} {path}: check folder and name") from None
+    except (OSError, ValueError) as error:
+        raise TableError(f"{what} {path} cannot be read: {error}") from None
+    if len(content) > LARGEST:
+        raise TableError(f"{what} {path} is larger than {LARGEST:,} bytes: leave out lines")
+    if content.startswith(ZIP):
+        raise TableError(f"{what} {path} is a workbook of a spreadsheet: save the sheet as CSV")
+    encoding = MARKS.get(content[:2]) or _without_mark(content[:2])
+    try:
+        return content.decode(encoding), encoding == "utf-8-sig"
+    except UnicodeDecodeError:
+        # a degree sign of an old spreadsheet; the numbers are the same
+        return content.decode("latin-1"), False
+
+
+def _without_mark(begin: bytes) -> str:
+    """The encoding of a text without a byte order mark, from its first two bytes."""
+    if len(begin) == 2 and begin[1] == 0:
+        return "utf-16-le"
+    return "utf-16-be" if begin[:1] == b"\0" else "utf-8-sig"
+
+
+def lines_of(text: str) -> tuple[Lines, Lines]:
+    """Lines with content, and lines that are comments, without their sign."""
+    texts = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    numbers = [number for number, text in enumerate(texts, 1) if text.strip(EMPTY)]
+    texts = [texts[number - 1] for number in numbers]
+    if "#" not in text:
+        return Lines(numbers, texts), Lines([], [])
+    numbered = list(zip(numbers, texts, strict=True))
+    comments = [(number, text.lstrip(f"{EMPTY}#")) for number, text in numbered if _is_comment(text)]
+    lines = [(number, COMMENT_BEHIND.sub(r"\1", text)) for number, text in numbered if not _is_comment(text)]
+    return _in_columns(lines), _in_columns(comments)
+
+
+def _in_columns(lines: Sequence[tuple[int, str]]) -> Lines:
+    return Lines([number for number, _ in lines], [text for _, text in lines])
+
+
+def _is_comment(text: str) -> bool:
+    return text.lstrip(EMPTY).startswith("#")

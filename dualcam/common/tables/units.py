@@ -1,17 +1,19 @@
-"""Units in the headers of tables: their factors to SI, and how people write them."""
-
-from __future__ import annotations
+"""What tables are for: their quantities, and units as people write them, with their factors to SI."""
 
 import math
 import re
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field
 from decimal import Decimal
 from functools import cache
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from dualcam.common.arrays import Array
 from dualcam.common.unit_guards import TORQUE_UNITS
+from dualcam.errors import DualcamError
 
 DEGREE = math.pi / 180.0  # rad
 # By kind: the units with their factors to SI, the SI unit first.
@@ -65,6 +67,12 @@ MEGA = re.compile(r"MN")  # capitals are as good as small letters but here: MN.m
 KINDS = {unit: kind for kind, units in UNITS.items() for unit in units}
 BRACKETS = re.compile(r"[\[({]\s*([^\])}]*?)\s*[\])}]")
 JOINT = re.compile(r"(?:[\s_/,:.]|\bin)+$", re.IGNORECASE)  # between name and unit
+# Names of columns in small letters
+ANGLE_NAMES = ("theta", "psi", "angle", "position", "winkel")
+TORQUE_NAMES = ("tau", "torque", "moment", "drehmoment")
+GROOVE_HEADER = "psi_rad,z_m"
+FRICTION_HEADERS = ("v_m_s,mu", "v_m_s,R_N,mu")
+PLAIN = r"[ \t\r]*[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?[ \t\r]*"
 
 
 class Head(NamedTuple):
@@ -109,8 +117,7 @@ def _last_unit(text: str) -> re.Match[str] | None:
 
 
 def in_unit(values: Array, factor: float) -> Array:
-    """Values, shape (n,), times a factor. Rounded once where the factor is a short decimal: 4.1 mm is
-    0.0041 m to the last digit."""
+    """Values times a factor, rounded once where the factor is a short decimal: 4.1 mm is 0.0041 m exactly."""
     exact = Decimal(repr(factor)).normalize()
     digits, exponent = exact.as_tuple()[1:]
     if factor == 1.0 or len(digits) > 3:
@@ -122,3 +129,47 @@ def in_unit(values: Array, factor: float) -> Array:
     if are_short:  # all numbers here are whole, but for the last division
         return billionths * whole / 10.0 ** (9 - int(exponent))
     return np.array([float(Decimal(repr(value)) * exact) for value in values.tolist()])
+
+
+@dataclass(frozen=True)
+class ColumnKind:
+    """One column of a table."""
+
+    kind: str  # key of `units.UNITS`, such as "angle"
+    words: tuple[str, ...]  # names of the column in headers, in small letters
+    needed: bool = True  # a table without the column is refused
+    order: str = ""  # "rises", "never falls", or "" for any
+    bare_name: str = ""  # a name whose values are in the SI unit without a unit; "" for none
+    rule: str = ""  # key of `unit_guards.RULES` for values in the SI unit; "" for none
+
+
+@dataclass(frozen=True)
+class TableKind:
+    """What a table is for."""
+
+    what: str  # the file in messages, such as "groove table"
+    quantities: Mapping[str, ColumnKind]
+    example: str  # a good header
+    error: type[DualcamError]  # raised for a file that cannot be understood
+    least: int = 1  # number of rows
+    most: int = 0  # 0: any number
+    units: Mapping[str, str] = field(default_factory=dict)  # of the caller, before the header
+
+    @property
+    def needs_header(self) -> bool:
+        """Whether the caller leaves units open, which the header must then give."""
+        return set(self.units) != set(self.quantities)
+
+
+def fmu_text(header: str, *columns: ArrayLike) -> str:
+    """The text of a table for the FMU, with all digits. `columns`: of shape (n,), in SI units."""
+    rows = zip(*(np.asarray(column, dtype=float).tolist() for column in columns), strict=True)
+    return "".join([f"{header}\n", *(f"{','.join(map(repr, row))}\n" for row in rows)])
+
+
+def is_fmu_text(text: str, headers: Collection[str]) -> bool:
+    """Whether the FMU reads this text, which was in UTF-8, as it is."""
+    first, *rows = text.removeprefix("\ufeff").rstrip(" \t\r\n").split("\n")
+    header = first.strip(" \t\r")
+    row = re.compile(",".join([PLAIN] * (header.count(",") + 1)), re.ASCII)
+    return header in headers and all(map(row.fullmatch, rows))

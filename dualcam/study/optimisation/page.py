@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 import dualcam
-from dualcam.common.html_page import page, table
-from dualcam.common.svg import figure_element
+from dualcam.common.html_page import figure_element, page, table
 from dualcam.report.inputs import USUAL
 from dualcam.study.optimisation.design_files import fits_design_file
 from dualcam.study.optimisation.fields import share_of
