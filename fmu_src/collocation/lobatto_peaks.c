@@ -4,7 +4,6 @@
 
 #include "elementary/elementary.h"
 #include "numerics/tolerances.h"
-#include "platform/attributes.h"
 
 typedef enum { PEAK_REACTION_1, PEAK_REACTION_2, PEAK_SPEED } PeakQuantity;
 

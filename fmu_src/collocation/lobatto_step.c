@@ -1,6 +1,5 @@
 #include "collocation/lobatto_step.h"
 
-#include <float.h>
 #include <math.h>
 #include <stddef.h>
 

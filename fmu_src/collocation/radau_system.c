@@ -1,6 +1,5 @@
 #include "collocation/radau_system.h"
 
-#include <float.h>
 #include <math.h>
 
 #include "elementary/elementary.h"

@@ -4,7 +4,6 @@
 
 #include "elementary/elementary.h"
 #include "numerics/tolerances.h"
-#include "platform/attributes.h"
 
 /* s, of the motion. */
 static double time_scale(const SlipMode *slip, const Balance *b) {

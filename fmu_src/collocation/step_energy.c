@@ -5,7 +5,6 @@
 
 #include "elementary/elementary.h"
 #include "numerics/tolerances.h"
-#include "platform/attributes.h"
 
 /* Work, heat and change of the spring energy, by their sizes. */
 static inline double energy_passed(const Booking *b, const double spring[2]) {

@@ -1,6 +1,5 @@
 #include "contact/check.h"
 
-#include <math.h>
 #include <stdio.h>
 
 #include "geometry/transmission_build.h"

@@ -3,7 +3,6 @@
 #include "elementary/double_double.h"
 #include "elementary/elementary.h"
 #include "elementary/roots_table.h"
-#include "platform/attributes.h"
 
 /* x = m 2^(3n), 1 <= m < 8, x normal. A polynomial gives the root of m to two digits. Two steps of Halley's method
  * follow, y + y (m - y^3)/(2 y^3 + m), which has order three. The second step takes y with 26 bits, so that y^2 is

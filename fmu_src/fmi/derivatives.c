@@ -3,7 +3,6 @@
 #include <math.h>
 
 #include "platform/arithmetic.h"
-#include "platform/attributes.h"
 
 /* ---- time derivatives ---- */
 

@@ -2,8 +2,6 @@
  * variables, and clocks. */
 #include "fmi/fmi.h"
 
-#include "platform/attributes.h"
-
 /* ---- scheduled execution and configuration ---- */
 
 fmi3Instance fmi3InstantiateScheduledExecution(fmi3String instanceName, fmi3String instantiationToken,

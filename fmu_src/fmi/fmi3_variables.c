@@ -3,7 +3,6 @@
 #include "fmi/dependencies.h"
 #include "fmi/derivatives.h"
 #include "fmi/fmi.h"
-#include "platform/attributes.h"
 
 /* There is one value for each reference, since no variable is an array. */
 static bool is_count(const Instance *instance, const char *function, const char *name, size_t n, size_t expected) {

@@ -4,7 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "platform/attributes.h"
 #include "platform/platform.h"
 
 /* Locale-free, unlike <ctype.h>. */

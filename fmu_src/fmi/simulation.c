@@ -9,7 +9,6 @@
 #include "fmi/access.h"
 #include "numerics/tolerances.h"
 #include "platform/arithmetic.h"
-#include "platform/attributes.h"
 
 /* ---- co-simulation ---- */
 

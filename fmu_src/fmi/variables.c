@@ -2,8 +2,6 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 const Unit UNITS[UNIT_COUNT] = {
 #define UNIT(id, unit_name, kg_, m_, s_, rad_, quantity_, display_, factor_)                                           \

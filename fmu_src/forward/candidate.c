@@ -1,6 +1,5 @@
 #include "forward/candidate.h"
 
-#include <float.h>
 #include <math.h>
 
 #include "elementary/elementary.h"

@@ -1,7 +1,5 @@
 #include "forward/closed_form_slip.h"
 
-#include <math.h>
-
 #include "elementary/elementary.h"
 
 static void raise_peaks(const LinearSegment *s, const SegmentEnds *ends, Peaks *peak) {

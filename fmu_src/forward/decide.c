@@ -1,6 +1,5 @@
 #include "forward/decide.h"
 
-#include <math.h>
 #include <string.h>
 
 #include "forward/configuration.h"

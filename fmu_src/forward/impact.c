@@ -1,7 +1,5 @@
 #include "forward/impact.h"
 
-#include <math.h>
-
 #include "forward/decide.h"
 #include "numerics/tolerances.h"
 

@@ -7,8 +7,6 @@
 
 #include "elementary/elementary.h"
 #include "model/csv_file.h"
-#include "numerics/tolerances.h"
-#include "platform/attributes.h"
 
 /* ---- helix ---- */
 

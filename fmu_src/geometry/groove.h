@@ -45,9 +45,8 @@ struct GrooveLaw {
 
 extern const GrooveLaw GROOVE_ELLIPSE, GROOVE_CYCLOID;
 
-/* Fills `groove` with the law of cam `number` (1 or 2). A table's relative path counts from the
- * directory `resources` (NULL: there is none). On failure returns false with the reason in `fault`;
- * `groove` then owns nothing. */
+/* Fills `groove` with the law of cam `number` (1 or 2). A table's relative path counts from the directory `resources`
+ * (NULL: there is none). On failure returns false with the reason in `fault`; `groove` then owns nothing. */
 bool groove_build(Groove *groove, const Params *params, int number, const char *resources, Fault *fault);
 
 /* Safe on a zeroed Groove, and twice. */

@@ -6,7 +6,6 @@
 #include "geometry/pin_position.h"
 #include "model/csv_file.h"
 #include "numerics/tolerances.h"
-#include "platform/attributes.h"
 
 /* The parameter that decides the shape of a groove, as "cam1.ellipse_a = 0.05". */
 typedef struct {

@@ -1,13 +1,11 @@
 #include "inverse/contact_statics.h"
 
 #include <math.h>
-#include <stddef.h>
 
 #include "contact/contact_factors.h"
 #include "model/friction_law.h"
 #include "numerics/sign.h"
 #include "numerics/tolerances.h"
-#include "platform/attributes.h"
 
 /* gamma' = a_2/(a_1 + a_2) and z' = a_1 a_2/(a_1 + a_2), differentiated by the quotient rule with b_i = da_i/dtheta:
  *     gamma'' = (a_1 b_2 - a_2 b_1)/(a_1 + a_2)^2    z'' = (a_2^2 b_1 + a_1^2 b_2)/(a_1 + a_2)^2 */

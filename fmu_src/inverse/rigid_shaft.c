@@ -10,7 +10,6 @@
 #include "numerics/root.h"
 #include "numerics/sign.h"
 #include "numerics/tolerances.h"
-#include "platform/attributes.h"
 
 double rigid_shaft_stop_margin(const StopParams *stop) {
     return IMPOSED_STOP_ROUNDING * (stop->upper - stop->lower);

@@ -3,8 +3,6 @@
 #include <math.h>
 
 #include "elementary/elementary.h"
-#include "numerics/tolerances.h"
-#include "platform/attributes.h"
 
 /* ---- over the speed ---- */
 

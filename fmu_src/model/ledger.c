@@ -4,7 +4,6 @@
 #include <stddef.h>
 
 #include "numerics/tolerances.h"
-#include "platform/attributes.h"
 
 bool booking_is_in_range(const Booking *b, double motion) {
     const double heat = fabs(b->heat_cam[0]) + fabs(b->heat_cam[1]) + fabs(b->heat_damper) + fabs(b->heat_shaft);

@@ -2,7 +2,6 @@
 
 #include "elementary/elementary.h"
 #include "numerics/sign.h"
-#include "platform/attributes.h"
 
 enum { STENCIL = 5 }; /* samples in the difference formula */
 

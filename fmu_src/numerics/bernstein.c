@@ -4,7 +4,6 @@
 
 #include "elementary/elementary.h"
 #include "numerics/sign.h"
-#include "platform/attributes.h"
 
 /* De Casteljau's algorithm. */
 double bernstein_value(const Bernstein *p, double x) {

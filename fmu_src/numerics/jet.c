@@ -3,7 +3,6 @@
 #include <math.h>
 
 #include "elementary/elementary.h"
-#include "numerics/tolerances.h"
 #include "platform/attributes.h"
 
 NOINLINE Jet jet_of_derivatives(const double u[JET_TERMS]) {

@@ -1,7 +1,6 @@
 #include "outputs/taylor.h"
 
 #include "elementary/elementary.h"
-#include "platform/attributes.h"
 
 static Dual constant(double value) {
     return (Dual){value, 0.0};

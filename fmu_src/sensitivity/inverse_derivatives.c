@@ -9,7 +9,6 @@
 #include "inverse/rigid_shaft.h"
 #include "model/elements.h"
 #include "outputs/taylor.h"
-#include "platform/attributes.h"
 
 /* ---- the imposed motion at the present instant ---- */
 

@@ -1,7 +1,6 @@
 #include "sensitivity/step_sensitivity.h"
 
 #include <math.h>
-#include <stddef.h>
 
 #include "collocation/radau_step.h"
 #include "contact/contact.h"
@@ -12,7 +11,6 @@
 #include "forward/step.h"
 #include "forward/stick.h"
 #include "numerics/tolerances.h"
-#include "platform/attributes.h"
 
 /* ---- the edge E of the stick band, E = rho F_0 ---- */
 
