@@ -197,8 +197,7 @@ SCENARIO = _table(
     {
         "stop": _entry(SCENARIO_NUMBER, "end of the run [s]", needed=True),
         "step": _entry(
-            SCENARIO_NUMBER,
-            "step [s], only for FMUs that take no derivatives of inputs or need equal steps",
+            SCENARIO_NUMBER, "step [s], only for FMUs that take no derivatives of inputs or need equal steps"
         ),
         "tolerance": _entry(NUMBER, "relative tolerance of the FMU's integrator"),
         "inputs": _nested(HISTORIES, "inputs over time, by name: tables, or a number that stands still"),
@@ -233,10 +232,7 @@ GOAL_LIMITS = _table(
     "Limits of a result",
     _each(
         QUANTITY,
-        {
-            "from": "least value of the result or formula",
-            "to": "greatest value of the result or formula",
-        },
+        {"from": "least value of the result or formula", "to": "greatest value of the result or formula"},
     ),
 )
 TOLERANCE = _table(
@@ -304,11 +300,7 @@ FILES: dict[str, tuple[str, tuple[str, ...], tuple[str, ...]]] = {  # what it is
         ("fmu", "plan", "scenario", "optimise"),
         ("results", "parameters", "plots"),
     ),
-    "SearchSection": (
-        "An optimisation of a design",
-        ("plan", "optimise"),
-        ("results", "scenario", "plots"),
-    ),
+    "SearchSection": ("An optimisation of a design", ("plan", "optimise"), ("results", "scenario", "plots")),
     "Plan": (  # every key that a plan may have
         "A parameter study or an optimisation of an FMU",
         ("fmu", "plan", "scenario"),

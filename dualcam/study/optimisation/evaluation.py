@@ -177,11 +177,7 @@ def _parts(task: Optimisation, plan: Plan) -> tuple[Array, np.ndarray[tuple[int,
         return np.empty((0, len(plan.vary))), chance
     spread = {name: each.distribution() for name, each in task.tolerances.items()}
     drawn = Plan(
-        "latin",
-        {**task.chance, **spread},
-        runs=task.samples,
-        seed=task.seed,
-        correlations=task.correlations,
+        "latin", {**task.chance, **spread}, runs=task.samples, seed=task.seed, correlations=task.correlations
     )
     columns = dict(zip(drawn.names, drawn.rows(0, task.samples).T, strict=True))
     nothing = np.zeros(task.samples)
