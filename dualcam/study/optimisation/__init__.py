@@ -12,11 +12,11 @@
     )
 
 A design is a row of values. Its runs are those of a study. Several parts of each design, as made, give a
-percentile. The search (`gradient`, `evolution`, `genetic`) asks for batches of designs. The record
+percentile. The search (`gradient`, `evolution`) asks for batches of designs. The record
 keeps them.
 """
 
-from dualcam.study.optimisation.fields import Deviation, FmuRuns
+from dualcam.study.optimisation.designs import Deviation, FmuRuns
 from dualcam.study.optimisation.file import read_optimisation
 from dualcam.study.optimisation.optimum import Optimum
 from dualcam.study.optimisation.run import optimise

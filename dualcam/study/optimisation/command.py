@@ -11,12 +11,11 @@ import numpy as np
 
 from dualcam.common.mistakes import StudyError, refuse
 from dualcam.study.optimisation.design_files import fits_design_file, write_design
-from dualcam.study.optimisation.fields import FmuRuns
+from dualcam.study.optimisation.designs import FmuRuns
 from dualcam.study.optimisation.optimum import Optimum
-from dualcam.study.optimisation.page import shown, write_page
+from dualcam.study.optimisation.page import front_rows, write_page
 from dualcam.study.optimisation.run import optimise
-from dualcam.study.optimisation.task import Optimisation
-from dualcam.study.optimisation.units import shown as in_words
+from dualcam.study.optimisation.task import Optimisation, in_words
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -120,7 +119,7 @@ def _write_designs(found: Optimum, folder: Path, title: str) -> None:
     if len(found.task.objectives) < 2:
         return
     (folder / FRONT_DESIGNS).mkdir(exist_ok=True)
-    for k in shown(found):
+    for k in front_rows(found):
         design = {name: found.front[name].tolist()[k] for name in found.design}
         words = ", ".join(f"{text} = {found.front[text][k]:.6g}" for text in found.task.objectives)
         path = folder / FRONT_DESIGNS / f"design_{k + 1:04d}.toml"

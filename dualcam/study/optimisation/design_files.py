@@ -14,7 +14,7 @@ import numpy as np
 from dualcam.fmi.model_description import Scalar
 from dualcam.scenario.formula import formula
 from dualcam.scenario.scenario import History, Scenario
-from dualcam.study.optimisation.fields import Design, FmuRuns
+from dualcam.study.optimisation.designs import Design, FmuRuns
 from dualcam.study.optimisation.task import Optimisation
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dualcam.fmi.reals import Array
-from dualcam.study.optimisation.fields import Design, choices, share_of
+from dualcam.study.optimisation.designs import Design, choices, share_of
 from dualcam.study.optimisation.models import Model, open_model, own_values, plan_of
 from dualcam.study.optimisation.task import Optimisation
 from dualcam.study.plan.plan import Plan

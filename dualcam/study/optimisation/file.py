@@ -24,8 +24,8 @@ from dualcam.study.file.schema_check import check_schema
 from dualcam.study.file.study_file import NO_SCENARIO, content_of, may_lack_scenario, parameters_of
 from dualcam.study.file.values import STAND_IN
 from dualcam.study.optimisation.design_files import sections_of
-from dualcam.study.optimisation.fields import Deviation, FmuRuns, Range
-from dualcam.study.optimisation.task import Optimisation
+from dualcam.study.optimisation.designs import Deviation, FmuRuns, Range
+from dualcam.study.optimisation.task import NUMBERS, Optimisation
 from dualcam.study.plan.plan import Plan
 from dualcam.study.run.fmu_check import problems_with_fmu
 from dualcam.study.study import Study
@@ -33,7 +33,6 @@ from dualcam.study.study import Study
 if TYPE_CHECKING:
     from dualcam.design_file import DesignFile
 
-NUMBERS = ("method", "budget", "population", "starts", "seed", "percentile", "samples", "difference")
 ARRANGEMENT = ("kind", "runs", "seed", "levels", "second_order", "on_violation")  # of the runs of a study
 REST = Scenario(1.0)  # instead of one that is refused, so that the rest can be checked
 

@@ -20,7 +20,7 @@ from dualcam.errors import DualcamError
 from dualcam.fmi.library import source_path
 from dualcam.fmi.model_description import read_model_description
 from dualcam.fmi.reals import Array
-from dualcam.study.optimisation.fields import Design, FmuRuns, Function
+from dualcam.study.optimisation.designs import Design, FmuRuns, Function
 from dualcam.study.optimisation.task import Optimisation
 from dualcam.study.plan.plan import Plan
 from dualcam.study.run.evaluator import Evaluator

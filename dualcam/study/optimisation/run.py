@@ -19,21 +19,19 @@ from dualcam.common.entries import is_whole
 from dualcam.common.mistakes import StudyError
 from dualcam.fmi.library import source_path
 from dualcam.fmi.reals import Array
-from dualcam.study.optimisation import evolution, genetic, gradient
+from dualcam.study.optimisation import evolution, gradient
+from dualcam.study.optimisation.designs import FmuRuns
 from dualcam.study.optimisation.evaluation import DesignEvaluator
-from dualcam.study.optimisation.fields import FmuRuns
 from dualcam.study.optimisation.optimum import ACTIVE, Optimum, unbeaten
 from dualcam.study.optimisation.record import Record
 from dualcam.study.optimisation.search import BudgetSpent, Search
-from dualcam.study.optimisation.task import Optimisation
-from dualcam.study.optimisation.units import shown
+from dualcam.study.optimisation.task import NUMBERS, Optimisation, in_words
 
 if TYPE_CHECKING:
     from distributed import Client
 
-RUNS = {"slsqp": gradient.run, "evolution": evolution.run, "nsga2": genetic.run}
+RUNS = {"slsqp": gradient.run, "evolution": evolution.differential_evolution, "nsga2": evolution.nsga2}
 CHECKS = 40  # of the front's hypervolume over the search
-NUMBERS = ("method", "budget", "population", "starts", "seed", "percentile", "samples", "difference")
 STATE = ("feasible", "message")  # of a design, beside its values
 BEYOND = 1.01  # reference point of the hypervolume, in extents of the front from its best corner
 PACKAGES = {
@@ -88,7 +86,7 @@ def optimise(
     if not is_whole(workers) or workers < 0:
         raise StudyError(f"workers = {workers!r}: allowed is a whole number, 0 or more")
     if task.method_used == "nsga2":
-        genetic.load()
+        evolution.pymoo_classes()
     place = None if folder is None else Path(folder)
     with closing(DesignEvaluator(task, workers, scheduler)) as evaluator:
         record = Record(place, facts(task), _versions(task))
@@ -181,7 +179,7 @@ def _history(search: Search, losses: Array, fit: NDArray[np.intp]) -> Array:
     volumes = []
     for count in counts:
         scaled = (losses[fit[fit < count]] - best) / extent
-        volumes.append(genetic.hypervolume(scaled[np.all(scaled <= 1.0, axis=1)], BEYOND))
+        volumes.append(evolution.hypervolume(scaled[np.all(scaled <= 1.0, axis=1)], BEYOND))
     return np.column_stack([counts, np.array(volumes) / volumes[-1]])
 
 
@@ -222,17 +220,17 @@ def _active_bounds(task: Optimisation, shares: Array) -> list[str]:
             continue
         low, high = vary.limits()
         if share < ACTIVE:
-            found.append(f"{name} is at its lower bound, {shown(task, name, low)}")
+            found.append(f"{name} is at its lower bound, {in_words(task, name, low)}")
         if share > 1.0 - ACTIVE:
-            found.append(f"{name} is at its upper bound, {shown(task, name, high)}")
+            found.append(f"{name} is at its upper bound, {in_words(task, name, high)}")
     return found
 
 
 def _active_limits(search: Search, best: int) -> list[str]:
-    excess = search.excess[best]
+    task = search.task
     return [
-        f"{text} is at its {'greatest' if sign > 0.0 else 'least'} value, {shown(search.task, text, limit)}"
-        for (text, sign, limit), missed in zip(search.evaluator.limits, excess, strict=True)
+        f"{text} is at its {'greatest' if sign > 0.0 else 'least'} value, {in_words(task, text, limit)}"
+        for (text, sign, limit), missed in zip(search.evaluator.limits, search.excess[best], strict=True)
         if abs(missed) < ACTIVE
     ]
 
@@ -240,8 +238,8 @@ def _active_limits(search: Search, best: int) -> list[str]:
 def _violated(search: Search, values: Array, excess: Array) -> list[str]:
     task = search.task
     return [
-        f"{text} = {shown(task, text, value)}: allowed is {'at most' if sign > 0.0 else 'at least'} "
-        f"{shown(task, text, limit)}, which it misses by {shown(task, text, abs(value - limit), 3)}"
+        f"{text} = {in_words(task, text, value)}: allowed is {'at most' if sign > 0.0 else 'at least'} "
+        f"{in_words(task, text, limit)}, which it misses by {in_words(task, text, abs(value - limit), 3)}"
         for (text, sign, limit), value, missed in zip(search.evaluator.limits, values, excess, strict=True)
         if missed > 1e-6
     ]
