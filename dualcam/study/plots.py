@@ -24,10 +24,10 @@ from matplotlib.collections import LineCollection
 from matplotlib.text import Text
 from numpy.typing import NDArray
 
-from dualcam.common.mistakes import StudyError, refuse
+from dualcam.common.mistakes import StudyError
 from dualcam.common.paths import whole_file
 from dualcam.fmi.fmu import Array, Fmu
-from dualcam.study.plot_keys import columns_of, problems_of_columns, problems_of_keys
+from dualcam.study.plot_keys import columns_of
 from dualcam.study.store.results import read_results
 from dualcam.study.study import Study
 
@@ -64,14 +64,8 @@ def draw(studies: Sequence[tuple[Study, str | Path]], path: Path) -> None:
         plt.close(figure)
 
 
-def check(study: Study) -> None:
-    """StudyError if a plot asks for what the study does not have: better before the runs than after them."""
-    refuse(problems_of_keys(study.plots))
-    refuse(problems_of_columns(study.plots, study.plan, study.readings))
-
-
 def check_file(studies: Sequence[Study], path: Path) -> None:
-    """StudyError if no picture of these studies can be written there: likewise."""
+    """StudyError if no picture of these studies can be written there."""
     if not any(study.plots for study in studies):
         raise StudyError("these plans have no plots: add [[plots]] to one")
     formats = FigureCanvasBase.get_supported_filetypes()

@@ -49,8 +49,8 @@ def sections_of(design: DesignFile) -> dict[str, Any]:
     return {name: value for name, value in content.items() if name != "study"}
 
 
-def design_text(task: Optimisation, design: Design, head: str) -> str:
-    """A design file: the sections of the original design file, or fixed values; this design's values; and the
+def write_design(path: Path, task: Optimisation, design: Design, head: str) -> None:
+    """Write a design file: the sections of the original one, or fixed values; this design's values; and the
     scenario where a design file can have it."""
     assert isinstance(task.model, FmuRuns)
     content: dict[str, Any] = deepcopy(dict(task.model.sections))
@@ -58,7 +58,7 @@ def design_text(task: Optimisation, design: Design, head: str) -> str:
     _set_values(content, {**fixed, **design})
     content, remark = _with_scenario(content, task, design)
     comments = [f"# {line}" for line in [*head.splitlines(), "Numbers are in SI units.", *remark]]
-    return "\n".join([*comments, *toml_lines(content)]) + "\n"
+    path.write_text("\n".join([*comments, *toml_lines(content)]) + "\n", encoding="utf-8")
 
 
 def _set_values(content: dict[str, Any], values: Mapping[str, Scalar]) -> None:
@@ -145,9 +145,3 @@ def _literal(value: object) -> str:
     if isinstance(value, Mapping):
         return "{" + ", ".join(f"{_key(name)} = {_literal(each)}" for name, each in value.items()) + "}"
     return repr(value)
-
-
-def write_design(path: Path, task: Optimisation, design: Design, head: str) -> Path:
-    """Write it, and give its path."""
-    path.write_text(design_text(task, design, head), encoding="utf-8")
-    return path

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 
 from dualcam.common.entries import hint
 from dualcam.common.mistakes import Findings, StudyError, told_of
-from dualcam.design_file.toml_text import tables_of
 from dualcam.fmi.model_description import Scalar
 from dualcam.scenario.scenario import Scenario
 from dualcam.study.file.context import Context
@@ -41,15 +40,6 @@ def is_search(content: Mapping[str, Any]) -> bool:
     """Whether the tables of a file have a section [optimise] or [study.optimise]."""
     study = content.get("study", {})
     return "optimise" in content or (isinstance(study, Mapping) and "optimise" in study)
-
-
-def asks_for_optimum(path: Path) -> bool:
-    """Whether a file describes an optimisation; False for one that cannot be read."""
-    try:
-        content = tables_of(path.read_text(encoding="utf-8-sig"))
-    except (OSError, ValueError):
-        return False
-    return content is not None and is_search(content)
 
 
 def read_optimisation(path: str | Path) -> Optimisation:

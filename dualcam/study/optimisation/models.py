@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import multiprocessing
-import pickle
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
@@ -24,7 +23,7 @@ from dualcam.study.optimisation.designs import Design, FmuRuns, Function
 from dualcam.study.optimisation.task import Optimisation
 from dualcam.study.plan.plan import Plan
 from dualcam.study.run.evaluator import Evaluator
-from dualcam.study.run.processes import refuse_in_a_daemon
+from dualcam.study.run.processes import check_sendable, refuse_in_a_daemon
 from dualcam.study.run.runner import Block
 from dualcam.study.study import Study
 
@@ -111,7 +110,7 @@ class FunctionModel:
         self._processes: ProcessPoolExecutor | None = None
         if workers > 0:
             refuse_in_a_daemon()
-            _check_sendable(function)
+            check_sendable(function, "the model", "give a function of a module")
             self._processes = ProcessPoolExecutor(workers, multiprocessing.get_context("spawn"))
 
     def __call__(self, rows: Array) -> Block:
@@ -160,13 +159,3 @@ def _attempt(function: Function, design: Design) -> Any:  # noqa: ANN401
     except REFUSALS as error:
         return str(error) or type(error).__name__
     return None if isinstance(given, str) else given
-
-
-def _check_sendable(function: Function) -> None:
-    try:
-        pickle.dumps(function)
-    except Exception as error:  # pickle has several for it
-        raise StudyError(
-            f"the model cannot be sent to other processes: {error}: allowed is a function of a module; or "
-            "use workers = 0"
-        ) from error

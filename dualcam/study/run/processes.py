@@ -125,7 +125,7 @@ class Processes(Workers):
     def __init__(self, task: Task, count: int) -> None:
         super().__init__(task)
         refuse_in_a_daemon()
-        _check_sendable(task)
+        check_sendable(task.job, "this study", "let a function of a module make the controller")
         self._most = count
         self._team: list[_Worker] = []
 
@@ -211,11 +211,11 @@ def refuse_in_a_daemon() -> None:
         )
 
 
-def _check_sendable(task: Task) -> None:
+def check_sendable(thing: object, name: str, remedy: str) -> None:
+    """StudyError for what no other process can get."""
     try:
-        pickle.dumps(task.job)
+        pickle.dumps(thing)
     except Exception as error:  # pickle has several for it
         raise StudyError(
-            f"this study cannot be sent to other processes: {error}: let a function of a module make the "
-            "controller, or use workers = 0"
+            f"{name} cannot be sent to other processes: {error}: {remedy}, or use workers = 0"
         ) from error
