@@ -13,8 +13,7 @@ from dualcam.fmi.reals import Array
 from dualcam.scenario.formula import formula, is_formula
 from dualcam.study.file import quantities
 from dualcam.study.file.context import Context
-from dualcam.study.file.paths import missing_file
-from dualcam.study.file.values import STAND_IN, ValuesReader, missing_texts
+from dualcam.study.file.values import STAND_IN, ValuesReader
 from dualcam.study.plan import tables
 from dualcam.study.plan.correlation import Correlation
 from dualcam.study.plan.plan import Plan
@@ -77,7 +76,7 @@ def _plan_of_file(context: Context, content: Mapping[str, Any]) -> Plan:
     if content.get("kind", "table") != "table":
         raise StudyError(f"plan has a table and is of kind {content['kind']}: allowed is one of them")
     written = content["table"]
-    if problem := missing_file(context.folder, written):
+    if problem := context.missing_file(written):
         raise StudyError(f"plan: table = {written!r}: {problem}")
     path = context.folder / written
     texts = [name for name, unit in context.units.items() if unit == quantities.STRING]
@@ -87,7 +86,7 @@ def _plan_of_file(context: Context, content: Mapping[str, Any]) -> Plan:
         columns = tables.read_csv(path, texts, partial(_in_unit_of_fmu, context))
     findings = Findings()
     for name in texts:
-        findings.note(*missing_texts(context, name, [str(text) for text in columns.get(name, ())]))
+        findings.note(*context.missing_texts(name, [str(text) for text in columns.get(name, ())]))
     plan = findings.attempt(Plan.from_columns, columns, path.parent)
     findings.refuse()
     assert plan is not None

@@ -6,19 +6,9 @@ from collections.abc import Mapping
 
 from dualcam.common.mistakes import StudyError
 from dualcam.errors import DesignError
-from dualcam.fmi.model_description import Variable
 
 Units = Mapping[str, str | None]  # unit by variable, "1" for a plain number; None: no real
 STRING = "String"  # in place of the unit of a String
-
-
-def units_of(variables: Mapping[str, Variable]) -> Units:
-    """Of the variables of an FMU."""
-    others = {"string": STRING}
-    return {
-        name: (each.unit or "1") if each.kind == "real" else others.get(each.kind)
-        for name, each in variables.items()
-    }
 
 
 def number(where: str, name: str, value: float | str, units: Units) -> float:

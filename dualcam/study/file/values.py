@@ -8,7 +8,6 @@ from typing import Any
 
 from dualcam.common.mistakes import Findings, StudyError
 from dualcam.study.file.context import Context
-from dualcam.study.file.paths import is_file_name, missing_file
 from dualcam.study.file.quantities import STRING, are_of_one_kind, in_unit, number, unit_in
 from dualcam.study.plan.profiles import profiles_of_file
 from dualcam.study.plan.texts import GivenTexts
@@ -113,7 +112,7 @@ class ValuesReader:
         if kind == STRING or (kind == "" and are_names(values)):
             texts = [str(value) for value in values]
             if kind == STRING:
-                self._findings.note(*missing_texts(self._context, self._name, texts))
+                self._findings.note(*self._context.missing_texts(self._name, texts))
             return Vary(values=GivenTexts.of(texts, self._context.folder), weights=weights)
         numbers = tuple(self._number("values", each) for each in values)
         self._check_kinds()
@@ -127,7 +126,7 @@ class ValuesReader:
             raise StudyError(f"{self._where} of table lacks {', '.join(lacking)}")
         numbers = {key: self._in(unit, key) for key, unit in PROFILE.items()}
         path, count = self._content["table"], self._content["count"]
-        if problem := missing_file(self._context.folder, path):
+        if problem := self._context.missing_file(path):
             self._findings.note(f"{self._where}: table = {path!r}: {problem}")
         self._findings.refuse()
         try:
@@ -146,13 +145,3 @@ class ValuesReader:
 def are_names(values: Iterable[object]) -> bool:
     """Whether none of the values is a number, or a text with one: they are texts for a law."""
     return all(isinstance(value, str) and not value[:1].strip("+-.").isdigit() for value in values)
-
-
-def missing_texts(context: Context, name: str, texts: Iterable[str]) -> list[str]:
-    """What to say of texts of a String that look like files, which neither the folder nor the FMU has."""
-    return [
-        f"plan: {name} = {text!r}: {problem}"
-        for text in dict.fromkeys(texts)
-        if is_file_name(text) and text not in context.resources
-        if (problem := missing_file(context.folder, text))
-    ]

@@ -11,9 +11,9 @@ from dualcam.common.entries import hint, is_whole
 from dualcam.common.mistakes import StudyError
 from dualcam.scenario.formula import CONSTANTS, formula, is_formula
 from dualcam.study.plan import arrangements
-from dualcam.study.plan.constraints import in_order
 from dualcam.study.plan.correlation import Copula, Correlation
 from dualcam.study.plan.fields import PlanFields
+from dualcam.study.plan.rows import in_order
 from dualcam.study.plan.vary import Vary
 
 ON_VIOLATION = ("redraw", "mark")

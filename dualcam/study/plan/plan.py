@@ -67,7 +67,7 @@ class Plan(PlanFields):
     each variable all of A with B's column of that variable.
 
     `rows(start, stop)` has one column for each of `names`, in the FMU's units. The column of a String has
-    places in `texts[name]`. `dualcam.study.run.row_values` says what a row means for its run.
+    places in `texts[name]`. `dualcam.study.plan.rows` says what a row means for its run.
 
     Examples
     --------

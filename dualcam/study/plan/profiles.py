@@ -20,7 +20,7 @@ import numpy as np
 from dualcam.common.mistakes import StudyError
 from dualcam.common.tables import GROOVE_HEADER, fmu_text
 from dualcam.fmi.reals import Array
-from dualcam.study.plan.kept_files import kept_file
+from dualcam.study.plan.texts import kept_file
 
 POINTS_MAX = 2000  # of a table: the covariance matrix has the square of this
 POINTS_PER_LENGTH = 2.0  # of the correlation length; fewer would cut the error's bends

@@ -31,10 +31,9 @@ from dualcam.fmi.instance import OK_OR_WARNING, References
 from dualcam.fmi.model_description import Scalar
 from dualcam.fmi.reals import Array
 from dualcam.scenario.scenario import Controller, Scenario
-from dualcam.study.plan.constraints import violations
+from dualcam.study.plan.rows import values_of, violated_by, violating
 from dualcam.study.plan.texts import Texts
 from dualcam.study.run.batch import Batch, Window, copy, loop_in_c
-from dualcam.study.run.row_values import values_of, violated_by
 from dualcam.study.run.step_numbers import FIRST, Arrangement, Key, StepNumbers
 
 FATAL = 4  # FMI's status from which an instance cannot be used any more
@@ -47,7 +46,7 @@ Call = Callable[[], int]
 class Job:
     """What every worker needs to know. `content` is the FMU itself where the workers may not see its path.
 
-    dualcam.study.run.row_values says what a row means for its run."""
+    dualcam.study.plan.rows says what a row means for its run."""
 
     path: str
     names: Sequence[str]  # of the columns of a row: variables of the FMU, and others for formulas
@@ -343,10 +342,10 @@ class Runner:
         names, constraints = self.job.names, self.job.constraints
         if not constraints:
             return {}
-        found = violations(constraints, dict(zip(names, rows.T, strict=True)), len(rows))
+        found = violating(constraints, dict(zip(names, rows.T, strict=True)), len(rows))
         return {
             int(place): "; ".join(violated_by(constraints, values_of(names, rows[place], self.job.texts)))
-            for place in np.flatnonzero(np.any(list(found.values()), axis=0))
+            for place in np.flatnonzero(found)
         }
 
     def _run_places(

@@ -19,8 +19,8 @@ from dualcam.fmi.reals import Array
 from dualcam.scenario.formula import formula
 from dualcam.scenario.history import History, Number, names_in, numbers_in
 from dualcam.scenario.scenario import Scenario, Step, instants
+from dualcam.study.plan.rows import values_of
 from dualcam.study.plan.texts import Texts
-from dualcam.study.run.row_values import values_of
 from dualcam.study.run.step_times import AT_ONE_INSTANT, FIRST, has_points, steps_of_rows
 
 Key = tuple[Any, ...]
