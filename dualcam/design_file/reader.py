@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping, Sequence
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -15,11 +16,11 @@ from dualcam.design_file.fmu_tables import fmu_friction, fmu_groove
 from dualcam.design_file.friction_tables import ANALYTIC_FRICTION
 from dualcam.design_file.keys import unknown_key
 from dualcam.design_file.sample_times import sample_times
-from dualcam.design_file.sections import check_section
 from dualcam.design_file.toml_text import line_of, lines_of_keys, parse, read_text
 from dualcam.errors import DualcamError
 from dualcam.fmi.variables import all_parameters, inputs_of
 
+STUDY = "dualcam.study.section"  # checks the section [study]: a room above, loaded for such a file alone
 ANY_INPUT = ("F_ext",)  # inputs of both models
 
 
@@ -135,7 +136,7 @@ class _Reading:
             lines=self.lines,
         )
         if design.study is not None:
-            self.attempt("study", lambda: check_section("study", design))
+            self.attempt("study", lambda: import_module(STUDY).check_section(design))
         return design
 
     def _is_refused(self, prefix: str) -> bool:
