@@ -63,6 +63,12 @@ class Findings:
         """StudyError with all problems at once, if there are any."""
         refuse(self.problems)
 
+    def result(self, made: Made | None) -> Made:
+        """What an attempt has made. StudyError with all problems at once, if there are any."""
+        self.refuse()
+        assert made is not None
+        return made
+
 
 @contextmanager
 def told_of(path: Path) -> Iterator[None]:

@@ -19,15 +19,8 @@ from dualcam.study.study import Study, say
 
 
 def read_all(paths: Sequence[Path]) -> dict[Path, Study | Optimisation]:
-    """What each file describes: plans, or design files with a section [study].
-
-    Raises
-    ------
-    StudyError
-        The mistakes of all files at once, or two files of one name.
-    DesignFileError
-        The only file is a design file with errors.
-    """
+    """What each file describes: plans, or design files with a section [study]. StudyError, or DesignFileError
+    for the only file, with the mistakes of all files."""
     from dualcam.study.optimisation.file import is_search, read_optimisation
 
     if len({path.stem for path in paths}) < len(paths):
@@ -57,17 +50,12 @@ def run(
     figure: Path | None = None,
     runs_per_file: int | None = None,
 ) -> None:
-    """Run the studies and optimisations that `read_all` found.
+    """Run the studies and optimisations of `read_all`. StudyError for what goes wrong: the same command then
+    goes on from the files that are written.
 
     `out`, a folder or the URL of a store, gets one folder for each plan. `workers`, `scheduler`,
-    `file_format` and `runs_per_file` are those of `Study.run`; without `workers` an optimisation has none.
-    `figure`: one picture of all plots; None: one for each study, beside its results.
-
-    Raises
-    ------
-    StudyError
-        What is wrong. All files that are written are complete: the same command goes on from there.
-    """
+    `file_format` and `runs_per_file` are those of `Study.run`. `figure`: one picture of all plots; None: one
+    for each study, beside its results."""
     from dualcam.study.optimisation import command as optimisation
 
     tasks = {plan.stem: each for plan, each in found.items() if isinstance(each, Optimisation)}

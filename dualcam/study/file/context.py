@@ -1,4 +1,5 @@
-"""What the readers of all tables of a file share: its folder, and the FMU that it names."""
+"""What the readers of all tables of a file share: its folder, the FMU that it names, and the FMU's units, in
+which a text such as "40 deg" becomes a number."""
 
 from __future__ import annotations
 
@@ -8,12 +9,13 @@ from functools import cached_property
 from pathlib import Path
 from zipfile import BadZipFile, ZipFile
 
-from dualcam.common.mistakes import Findings
+from dualcam.common.mistakes import Findings, StudyError
 from dualcam.common.paths import near_names
-from dualcam.errors import DualcamError
+from dualcam.errors import DesignError, DualcamError
 from dualcam.fmi.library import MODELS, source_path
-from dualcam.study.file.quantities import STRING, Units
 from dualcam.study.run.fmu_check import Variables
+
+STRING = "String"  # in place of the unit of a String
 
 
 @dataclass(frozen=True)
@@ -29,19 +31,29 @@ class Context:
         """StudyError for an FMU that cannot be read."""
         path = fmu if fmu in MODELS else folder / fmu
         findings = Findings()
-        variables = findings.attempt(Variables.of_fmu, path)
-        findings.refuse()
-        assert variables is not None
-        return cls(folder, path, variables)
+        return cls(folder, path, findings.result(findings.attempt(Variables.of_fmu, path)))
 
     @cached_property
-    def units(self) -> Units:
-        """Unit by variable."""
+    def units(self) -> dict[str, str | None]:
+        """Unit by variable, "1" for a plain number; None: no real."""
         others = {"string": STRING}
         return {
             name: (each.unit or "1") if each.kind == "real" else others.get(each.kind)
             for name, each in self.variables.by_name.items()
         }
+
+    def number(self, where: str, name: str, value: float | str) -> float:
+        """A number, or that of a text with a unit, in the unit of a name. `where` begins a StudyError."""
+        if not isinstance(value, str):
+            return float(value)
+        if name not in self.units:  # a number for formulas
+            return in_si(where, value)
+        unit = self.units[name]
+        if unit is None or unit == STRING:
+            raise StudyError(
+                f"{where} = {value!r}: {name} is no real variable: allowed is a number without unit"
+            )
+        return in_unit(where, value, unit)
 
     @cached_property
     def _resources(self) -> set[str]:
@@ -77,3 +89,45 @@ class Context:
             if Path(text).suffix and "\n" not in text and text not in self._resources
             if (problem := self.missing_file(text))
         ]
+
+
+def in_si(where: str, text: str) -> float:
+    """The number of a text in the base unit of the SI. `where` begins the message of the StudyError."""
+    from dualcam.common.written_units import si_number
+
+    try:
+        return si_number(text)
+    except DesignError as error:
+        raise StudyError(f"{where} = {text!r}: {error}") from None
+
+
+def in_unit(where: str, text: str, unit: str) -> float:
+    """The number of a text in a unit. `where` begins the message of the StudyError."""
+    from dualcam.common.written_units import quantity  # loads pydantic and pint, which few plans need
+
+    try:
+        return quantity(text, unit)
+    except DesignError as error:
+        raise StudyError(f"{where} = {text!r}: {error}") from None
+    except Exception:  # pint has many, for units of FMUs of others
+        raise StudyError(
+            f"{where} = {text!r}: texts cannot be converted to the FMU's unit {unit!r}: allowed is a number"
+        ) from None
+
+
+def unit_in(value: object) -> str:
+    """The unit that a text has; none of a number."""
+    from dualcam.common.written_units import written_unit
+
+    return written_unit(value) if isinstance(value, str) else ""
+
+
+def are_of_one_kind(one: str, other: str) -> bool:
+    """Whether numbers in one unit can be converted to the other; not where a unit is not known."""
+    from dualcam.common.written_units import quantity
+
+    try:
+        quantity(f"1 {one}", other)
+    except Exception:  # pint has many
+        return False
+    return True

@@ -11,8 +11,7 @@ from dualcam.common.mistakes import Findings, StudyError
 from dualcam.common.tables import in_unit
 from dualcam.fmi.reals import Array
 from dualcam.scenario.formula import formula, is_formula
-from dualcam.study.file import quantities
-from dualcam.study.file.context import Context
+from dualcam.study.file.context import STRING, Context
 from dualcam.study.file.values import STAND_IN, ValuesReader
 from dualcam.study.plan import tables
 from dualcam.study.plan.correlation import Correlation
@@ -32,8 +31,7 @@ def plan_of(context: Context, content: Mapping[str, Any]) -> Plan:
     same_as: dict[str, str] = {}
     vary: dict[str, Vary] = {}
     for name, each in content.get("vary", {}).items():
-        reader = ValuesReader(context, name, each)
-        found = findings.attempt(reader.read, max(content.get("seed", 0), 0))
+        found = findings.attempt(ValuesReader(context, name, each).read, max(content.get("seed", 0), 0))
         if "same_as" in each:
             same_as[name] = each["same_as"]
         else:
@@ -50,9 +48,7 @@ def plan_of(context: Context, content: Mapping[str, Any]) -> Plan:
     given = {key: content[key] for key in AS_GIVEN if key in content}
     kind = content.get("kind", "random")
     plan = findings.attempt(Plan, kind, vary, same_as=same_as, correlations=sound, **formulas, **given)
-    findings.refuse()
-    assert plan is not None
-    return plan
+    return findings.result(plan)
 
 
 def _names_in(text: str) -> tuple[str, ...]:
@@ -79,7 +75,7 @@ def _plan_of_file(context: Context, content: Mapping[str, Any]) -> Plan:
     if problem := context.missing_file(written):
         raise StudyError(f"plan: table = {written!r}: {problem}")
     path = context.folder / written
-    texts = [name for name, unit in context.units.items() if unit == quantities.STRING]
+    texts = [name for name, unit in context.units.items() if unit == STRING]
     if tables.is_parquet(path):
         columns = tables.read_parquet(path)
     else:
@@ -87,16 +83,13 @@ def _plan_of_file(context: Context, content: Mapping[str, Any]) -> Plan:
     findings = Findings()
     for name in texts:
         findings.note(*context.missing_texts(name, [str(text) for text in columns.get(name, ())]))
-    plan = findings.attempt(Plan.from_columns, columns, path.parent)
-    findings.refuse()
-    assert plan is not None
-    return plan
+    return findings.result(findings.attempt(Plan.from_columns, columns, path.parent))
 
 
 def _in_unit_of_fmu(context: Context, name: str, unit: str, values: Array) -> Array:
     """The values of a column with a unit, in the unit of the FMU's variable."""
     where = f"plan: column {name}"
-    zero, one = (quantities.number(where, name, f"{count} {unit}", context.units) for count in (0, 1))
+    zero, one = (context.number(where, name, f"{count} {unit}") for count in (0, 1))
     return in_unit(values, one - zero) + zero
 
 

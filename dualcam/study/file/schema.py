@@ -28,7 +28,7 @@ from dualcam.common.entries import (
 from dualcam.common.toml_table import TomlTable
 from dualcam.scenario.history import SHAPES
 from dualcam.study.plan.arrangements import KINDS
-from dualcam.study.plan.check import ON_VIOLATION
+from dualcam.study.plan.fields import ON_VIOLATION
 from dualcam.study.plot_keys import KINDS as PLOTS
 
 

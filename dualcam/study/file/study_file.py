@@ -12,9 +12,8 @@ from dualcam.design_file.toml_text import tables_of
 from dualcam.errors import DualcamWarning
 from dualcam.fmi.model_description import Scalar
 from dualcam.scenario.scenario import Scenario
-from dualcam.study.file.context import Context
+from dualcam.study.file.context import STRING, Context, in_unit
 from dualcam.study.file.plan_table import plan_of
-from dualcam.study.file.quantities import STRING, in_unit
 from dualcam.study.file.scenario_table import scenario_of
 from dualcam.study.file.schema import model_of
 from dualcam.study.file.schema_check import check_schema

@@ -7,8 +7,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from dualcam.common.mistakes import Findings, StudyError
-from dualcam.study.file.context import Context
-from dualcam.study.file.quantities import STRING, are_of_one_kind, in_unit, number, unit_in
+from dualcam.study.file.context import STRING, Context, are_of_one_kind, in_unit, unit_in
 from dualcam.study.plan.profiles import profiles_of_file
 from dualcam.study.plan.texts import GivenTexts
 from dualcam.study.plan.vary import Vary
@@ -73,7 +72,7 @@ class ValuesReader:
         if unit and isinstance(value, str):
             found = self._findings.attempt(in_unit, where, value, unit)
         else:
-            found = self._findings.attempt(number, where, self._name, value, self._context.units)
+            found = self._findings.attempt(self._context.number, where, self._name, value)
         if found is not None and math.isnan(found):
             self._findings.note(f"{where} = {value}: allowed are finite numbers")
         return math.nan if found is None else found

@@ -28,12 +28,7 @@ def run(
     tasks: Mapping[str, Optimisation], folder: Path, workers: int, scheduler: str | None, console: Console
 ) -> None:
     """Search for the optima of tasks, and write what was found into folders of their names below this one.
-
-    Raises
-    ------
-    StudyError
-        No design keeps all constraints, which is said after all searches.
-    """
+    StudyError, after all searches, where no design keeps all constraints."""
     found = [_search(task, folder / name, workers, scheduler, console) for name, task in tasks.items()]
     refuse([text for one in found for text in _shortfall(one)])
 

@@ -14,9 +14,8 @@ from dualcam.common.entries import hint
 from dualcam.common.mistakes import Findings, StudyError
 from dualcam.fmi.model_description import Scalar
 from dualcam.scenario.scenario import Scenario
-from dualcam.study.file.context import Context
+from dualcam.study.file.context import Context, unit_in
 from dualcam.study.file.plan_table import plan_of
-from dualcam.study.file.quantities import number, unit_in
 from dualcam.study.file.scenario_table import scenario_of
 from dualcam.study.file.schema import model_of
 from dualcam.study.file.schema_check import check_schema
@@ -152,7 +151,7 @@ class _Goals:
     """The section [optimise]. StudyError with all that is wrong with its numbers."""
 
     def __init__(self, context: Context, content: Tables) -> None:
-        self._units, self._findings = context.units, Findings()
+        self._context, self._findings = context, Findings()
         self.objectives = dict(content["objectives"])
         self.numbers = {name: content[name] for name in NUMBERS if name in content}
         self.units: dict[str, str] = {}  # in which the file gives limits, by their text
@@ -166,7 +165,7 @@ class _Goals:
         self._findings.refuse()
 
     def _number(self, where: str, name: str, value: float | str) -> float | None:
-        return self._findings.attempt(number, where, name, value, self._units)
+        return self._findings.attempt(self._context.number, where, name, value)
 
     def _range(self, text: str, content: Tables) -> Range:
         where, name = f"optimise: constraint {text}", text.partition("@")[0]
@@ -180,7 +179,7 @@ class _Goals:
         return Deviation(math.nan if half is None else half, content.get("shape", "normal"))
 
     def _start(self, name: str, value: float | str) -> float | str:
-        if self._units.get(name, "1") is None or not unit_in(value):
+        if self._context.units.get(name, "1") is None or not unit_in(value):
             return value  # a whole number, or a text to choose from
         found = self._number(f"optimise: start: {name}", name, value)
         return value if found is None else found

@@ -13,8 +13,8 @@ from dualcam.fmi.library import source_path
 from dualcam.fmi.model_description import read_model_description
 from dualcam.scenario.formula import Formula, formula
 from dualcam.study.optimisation.designs import Deviation, FmuRuns, Function, Range, choices, is_within
-from dualcam.study.plan.check import problem_of_same
 from dualcam.study.plan.correlation import Correlation
+from dualcam.study.plan.fields import problem_of_same
 from dualcam.study.plan.vary import Vary
 from dualcam.study.run.results_wanted import column_of, is_series
 

@@ -28,18 +28,8 @@ def names() -> list[str]:
 
 class Distribution:
     """A distribution of scipy.stats with its arguments by their names there, `mean` and `std` of "normal",
-    truncated to a range, whose ends are NaN where there is none.
-
-    StudyError for an unknown name, lacking or unknown arguments, values that the distribution does not allow,
-    or a range without probability.
-
-    Examples
-    --------
-    >>> from dualcam.study.plan.distribution import Distribution
-    >>> friction = Distribution("normal", {"mean": 0.14, "std": 0.02}, low=0.1)
-    >>> round(friction.share_below(0.14), 3)
-    0.488
-    """
+    truncated to a range, whose ends are NaN where there is none. StudyError for what is no such
+    distribution."""
 
     def __init__(
         self, name: str, arguments: Mapping[str, float], low: float = math.nan, high: float = math.nan

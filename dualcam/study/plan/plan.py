@@ -13,8 +13,7 @@ import numpy as np
 
 from dualcam.common.arrays import Array
 from dualcam.common.mistakes import refuse
-from dualcam.study.plan.check import problems_of_plan
-from dualcam.study.plan.fields import PlanFields
+from dualcam.study.plan.fields import PlanFields, problems_of_plan
 from dualcam.study.plan.sampler import Sampler
 
 

@@ -28,27 +28,13 @@ POINTS_PER_LENGTH = 2.0  # of the correlation length; fewer would cut the error'
 
 @dataclass(frozen=True)
 class RandomProfiles:
-    """`count` tables with a random error, each made where a run needs it: of the groove z(psi) [m, rad], with
-    the `deviation` of z [m] and the `correlation_length` [rad] of the error.
+    """`count` tables of the groove z(psi) with a random error, each made where a run needs it. StudyError for
+    numbers with which no such tables can be."""
 
-    StudyError for a number that is not above 0, points that are too far apart for the correlation length, or
-    tables that would fall: the message says which share.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from dualcam.study.plan.profiles import RandomProfiles
-    >>> psi = np.linspace(0.0, 0.8, 41)
-    >>> tables = RandomProfiles(psi, 0.02 * psi, deviation=1e-5, correlation_length=0.1, count=10)
-    >>> error = tables.height(3) - 0.02 * psi
-    >>> bool(np.abs(error).max() < 5e-5), len(tables)
-    (True, 10)
-    """
-
-    psi: Array
-    z: Array
-    deviation: float
-    correlation_length: float
+    psi: Array  # rad
+    z: Array  # m
+    deviation: float  # of z, m
+    correlation_length: float  # of the error, rad
     count: int
     seed: int = 0
 

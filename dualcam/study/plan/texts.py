@@ -46,15 +46,7 @@ class Texts(Protocol):
 
 @dataclass(frozen=True)
 class GivenTexts:
-    """Texts, or absolute paths of files, as they were given. A text that names a file travels with the
-    content.
-
-    Examples
-    --------
-    >>> from dualcam.study.plan.texts import GivenTexts
-    >>> GivenTexts.of(["a", "b"])[1]
-    'b'
-    """
+    """Texts, or absolute paths of files. A text that names a file travels with the content."""
 
     texts: tuple[str, ...]
     contents: dict[int, bytes] = field(default_factory=dict, repr=False)  # of the files, by the place

@@ -58,23 +58,12 @@ class Reading:
 
 
 class Readings:
-    """The results of a study, by their texts as in the examples of this module.
+    """The results of a study, by their texts as in the examples of this module. StudyError with all texts
+    that are no results.
 
-    `stop` is the end of the runs [s], a formula where it varies; `varied` are the names of the plan, which
-    formulas may use, too. `columns` are the names of the results, in their order; `raw` is what the FMU is
-    asked for, names and `name@time`; `series` has the instants [s] of each series; `used` are the names of
-    the plan that formulas use. StudyError with all texts that are no results.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from dualcam.study.run.results_wanted import Readings
-    >>> readings = Readings(["top = max(theta, every=0.5)", "rise = top - theta@0"], stop=1.0)
-    >>> readings.raw
-    ['theta@0.0', 'theta@0.5', 'theta', 'theta@0']
-    >>> {name: column.tolist() for name, column in readings.of(np.array([[1.0, 3.0, 2.0, 1.0]]), {}).items()}
-    {'top': [3.0], 'rise': [2.0]}
-    """
+    `stop` is the end of the runs [s], a formula where it varies; `varied` are the names of the plan.
+    `columns` are the names of the results; `raw` is what the FMU is asked for, names and `name@time`;
+    `series` has the instants [s] of each series; `used` are the names of the plan that formulas use."""
 
     def __init__(self, results: Sequence[str], stop: float | str, varied: Sequence[str] = ()) -> None:
         self._varied = tuple(varied)

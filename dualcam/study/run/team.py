@@ -15,10 +15,7 @@ if TYPE_CHECKING:
 
 
 def workers_for(task: Task, runner: Runner, count: int, scheduler: str | Client | None = None) -> Workers:
-    """The workers that a study asks for.
-
-    `runner`: of this process, for `count` = 0. `scheduler`: the address of a Dask scheduler, or a
-    distributed.Client; `count` then does not matter."""
+    """`count` processes, or this process with its `runner` for 0; or those of a Dask scheduler."""
     if scheduler is None and count == 0:
         return InThisProcess(task, runner)
     runner.close()
