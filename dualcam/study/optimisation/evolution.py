@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from dualcam.common.mistakes import StudyError
+from dualcam.common.mistakes import optional_module
 from dualcam.fmi.reals import Array
 from dualcam.study.optimisation import gradient
 from dualcam.study.optimisation.optimum import unbeaten
@@ -100,15 +100,13 @@ def nsga2(search: Search) -> None:
 
 
 def pymoo_classes() -> tuple[Any, Any]:
-    """NSGA2 and Problem of pymoo. StudyError if it is not installed."""
-    try:
-        nsga2 = importlib.import_module("pymoo.algorithms.moo.nsga2").NSGA2
-        return nsga2, importlib.import_module("pymoo.core.problem").Problem
-    except ImportError:
-        raise StudyError(
-            'several objectives need pymoo: pip install "dualcam[optimise]"; without it, make one objective '
-            "and limit the others in constraints"
-        ) from None
+    """NSGA2 and Problem of pymoo."""
+    advice = (
+        'several objectives need pymoo: pip install "dualcam[optimise]"; without it, make one objective and '
+        "limit the others in constraints"
+    )
+    nsga2 = optional_module("pymoo.algorithms.moo.nsga2", advice).NSGA2
+    return nsga2, optional_module("pymoo.core.problem", advice).Problem
 
 
 def hypervolume(losses: Array, reference: float) -> float:

@@ -5,13 +5,12 @@ Morris, the search curves of FAST, the samples of Saltelli."""
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 
-from dualcam.common.mistakes import StudyError
+from dualcam.common.mistakes import optional_module
 from dualcam.fmi.reals import Array
 
 KINDS = ("grid", "random", "latin", "sobol", "indices", "saltelli", "morris", "fast", "table")
@@ -79,10 +78,7 @@ def _of_salib(kind: str, runs: int, variables: int, seed: int, second_order: boo
 
 
 def salib(module: str) -> Any:  # noqa: ANN401
-    """A module of SALib. StudyError if SALib is not installed."""
-    try:
-        return importlib.import_module(f"SALib.{module}")
-    except ImportError:
-        raise StudyError(
-            f"plans of kind {', '.join(SALIB)} need SALib: pip install SALib, or take kind = 'indices'"
-        ) from None
+    """A module of SALib."""
+    kinds = ", ".join(SALIB)
+    advice = f"plans of kind {kinds} need SALib: pip install SALib, or take kind = 'indices'"
+    return optional_module(f"SALib.{module}", advice)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -10,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from dualcam.common.arrays import TRUTH, Array, real_array
-from dualcam.common.mistakes import StudyError
+from dualcam.common.mistakes import StudyError, optional_module
 from dualcam.common.tables import Converter, TableError, read_columns
 from dualcam.study.plan.texts import GivenTexts
 from dualcam.study.plan.vary import Vary
@@ -35,10 +34,8 @@ def read_csv(
 
 def read_parquet(path: Path) -> dict[str, Sequence[Any] | Array]:
     """Columns by name. StudyError for a file that is no Parquet file, or if pyarrow is not installed."""
-    try:
-        parquet = importlib.import_module("pyarrow.parquet")
-    except ImportError:
-        raise StudyError("a table in Parquet needs pyarrow: pip install pyarrow, or take CSV") from None
+    advice = "a table in Parquet needs pyarrow: pip install pyarrow, or take CSV"
+    parquet = optional_module("pyarrow.parquet", advice)
     try:
         table = parquet.read_table(path, use_threads=False, pre_buffer=False)
     except (OSError, ValueError) as error:

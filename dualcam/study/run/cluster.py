@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import math
 import time
 from collections import deque
@@ -14,7 +13,7 @@ from pathlib import Path
 from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Any
 
-from dualcam.common.mistakes import StudyError
+from dualcam.common.mistakes import StudyError, optional_module
 from dualcam.fmi.fmu import Array
 from dualcam.study.run.chunk import Answer, Order, Task
 from dualcam.study.run.runner import Block
@@ -32,10 +31,7 @@ AHEAD = 2  # groups in flight for each worker: one that is made, one that waits
 
 
 def _distributed() -> Any:  # noqa: ANN401
-    try:
-        return importlib.import_module("distributed")
-    except ImportError:
-        raise StudyError('a scheduler needs dask.distributed: pip install "dualcam[study]"') from None
+    return optional_module("distributed", 'a scheduler needs dask.distributed: pip install "dualcam[study]"')
 
 
 def _in_cluster(name: str, orders: Sequence[Order]) -> tuple[list[Answer], float]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import importlib
 import importlib.util
 import io
 from collections.abc import Mapping, Sequence
@@ -12,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dualcam.common.mistakes import StudyError
+from dualcam.common.mistakes import StudyError, optional_module
 
 FORMATS = ("parquet", "csv")
 METADATA = b"dualcam"  # key in the metadata of a Parquet schema
@@ -34,13 +33,10 @@ def check_format(file_format: str) -> None:
 
 
 def pyarrow_module(name: str) -> Any:  # noqa: ANN401
-    """A module of pyarrow. StudyError if pyarrow is not installed."""
-    try:
-        return importlib.import_module(name)
-    except ImportError:
-        raise StudyError(
-            'Parquet files need pyarrow: pip install "dualcam[study]", or use format csv'
-        ) from None
+    """A module of pyarrow."""
+    return optional_module(
+        name, 'Parquet files need pyarrow: pip install "dualcam[study]", or use format csv'
+    )
 
 
 def encoded(columns: Mapping[str, Column], file_format: str, metadata: str) -> memoryview | bytes:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -10,11 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from dualcam.common.mistakes import StudyError
+from dualcam.common.mistakes import StudyError, optional_module
 from dualcam.study.run.chunk import RUNS, checksum, name_of
 from dualcam.study.store.encoding import Column, columns_of_csv, columns_of_parquet, encoded
 from dualcam.study.store.storage import Storage, storage_at
 from dualcam.study.store.store import RECORD, finished_in, is_sound, record_in
+
+NO_TABLES = '{} is not installed: pip install "dualcam[tables]"'
 
 
 class Results(dict[str, Column]):
@@ -76,7 +77,7 @@ class Results(dict[str, Column]):
         >>> table.to_pandas()["theta"].mean().round(3).item()
         0.15
         """
-        pandas = _module("pandas")
+        pandas = optional_module("pandas", NO_TABLES.format("pandas"))
         frame = pandas.DataFrame(self._flat())
         frame.attrs = {"study": self.study, "versions": self.versions}
         return frame.set_index("run") if "run" in self else frame
@@ -148,7 +149,7 @@ class Results(dict[str, Column]):
         >>> float(table.to_xarray()["theta"].sel(run=1))
         0.2
         """
-        xarray = _module("xarray")
+        xarray = optional_module("xarray", NO_TABLES.format("xarray"))
         if "run" not in self:
             raise StudyError("these columns are without run: read it, too")
         dimensions = self._grid()
@@ -199,13 +200,6 @@ def _time_axis(name: str, instants: Column, times: dict[str, Column]) -> str:
     axis = f"time of {name}" if times else "time"
     times[axis] = instants
     return axis
-
-
-def _module(name: str) -> Any:  # noqa: ANN401
-    try:
-        return importlib.import_module(name)
-    except ImportError:
-        raise StudyError(f'{name} is not installed: pip install "dualcam[tables]"') from None
 
 
 def read_results(folder: str | Path, columns: Sequence[str] | None = None) -> Results:
