@@ -16,6 +16,7 @@ from dualcam.study.optimisation.optimum import Optimum
 from dualcam.study.optimisation.page import front_rows, write_page
 from dualcam.study.optimisation.run import optimise
 from dualcam.study.optimisation.task import Optimisation, in_words
+from dualcam.study.study import say
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -34,7 +35,7 @@ def run(
 
 
 def _shortfall(found: Optimum) -> list[str]:
-    """What to say of a search without a design that keeps all constraints."""
+    """What to say where no design keeps all constraints."""
     if found.feasible or found.folder is None:
         return []
     nearest = found.folder / (BEST if fits_design_file(found.task) else PAGE)
@@ -47,15 +48,11 @@ def _shortfall(found: Optimum) -> list[str]:
 def _search(
     task: Optimisation, folder: Path, workers: int, scheduler: str | None, console: Console
 ) -> Optimum:
-    from dualcam.study.study import say
-
     say(console, f"{folder.name}: {task.method_used}, at most {task.budget:,} designs")
     found = optimise(task, folder, workers, scheduler, console)
     write_files(found, folder, folder.name)
-    for line in summary(found):
+    for line in [*summary(found), *_refusals(found)]:
         say(console, line)
-    for text in _refusals(found):
-        say(console, text)
     say(console, f"page: {folder / PAGE}")
     return found
 

@@ -30,15 +30,14 @@ def fits_design_file(task: Optimisation) -> bool:
     from dualcam.fmi.variables import all_inputs, all_parameters
 
     known = {**all_parameters(), **all_inputs()}
-    used = {*task.model.scenario.names}  # serve the scenario or other values
-    for text in [*task.model.derived.values(), *task.model.conditions.values()]:
-        used |= set(formula(text).names)
+    formulas = [*task.model.derived.values(), *task.model.conditions.values()]
+    used = {*task.model.scenario.names, *(name for text in formulas for name in formula(text).names)}
     names = [*task.designed, *task.same_as, *task.model.derived, *task.model.parameters]
     return all(name in known or name in used for name in names)
 
 
 def sections_of(design: DesignFile) -> dict[str, Any]:
-    """The tables of a design file but [study], with absolute paths: the best designs keep them."""
+    """The tables of a design file but [study], with absolute paths."""
     from dualcam.design_file.toml_text import parse, read_text
 
     content = parse(design.path, read_text(design.path))

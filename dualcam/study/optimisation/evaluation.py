@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -18,23 +18,30 @@ from dualcam.study.plan.plan import Plan
 if TYPE_CHECKING:
     from distributed import Client
 
+ARRAYS = ("shares", "results", "objectives", "constraints")
 RUNS_AT_ONCE = 100_000  # so that memory does not grow with designs times samples
 
 
 @dataclass
 class EvaluatedDesigns:
-    """Some designs and what they gave. NaN throughout for a design that failed, whose message, by its place,
-    says why.
+    """Some designs and what they gave: a row for each. A design that failed has NaN throughout."""
 
-    `shares` of the bounds, shape (designs, designed values); `results` of the parts exactly as designed;
-    `objectives` and `constraints` of parts as made the percentile, where a constraint with two limits has two
-    columns."""
+    shares: Array  # of the bounds
+    results: Array  # of the parts exactly as designed
+    objectives: Array  # of parts as made the percentile
+    constraints: Array  # likewise; two columns for two limits
+    messages: dict[int, str]  # why designs failed, by their place
 
-    shares: Array
-    results: Array
-    objectives: Array
-    constraints: Array
-    messages: dict[int, str]
+    @classmethod
+    def joined(cls, parts: Sequence[EvaluatedDesigns]) -> EvaluatedDesigns:
+        starts = np.cumsum([0, *(len(part.shares) for part in parts)]).tolist()
+        messages = {
+            start + place: text
+            for start, part in zip(starts, parts, strict=False)
+            for place, text in part.messages.items()
+        }
+        arrays = {name: np.concatenate([getattr(part, name) for part in parts]) for name in ARRAYS}
+        return cls(**arrays, messages=messages)
 
 
 class DesignEvaluator:
@@ -108,14 +115,7 @@ class DesignEvaluator:
         """Objectives and constraints of designs, shape (designs, designed values)."""
         size = max(1, RUNS_AT_ONCE // (1 + len(self._deviations)))
         parts = [self._evaluate(shares[k : k + size]) for k in range(0, len(shares), size)]
-        messages = {
-            k * size + place: text for k, part in enumerate(parts) for place, text in part.messages.items()
-        }
-        results, objectives, constraints = (
-            np.concatenate([getattr(part, name) for part in parts])
-            for name in ("results", "objectives", "constraints")
-        )
-        return EvaluatedDesigns(shares, results, objectives, constraints, messages)
+        return EvaluatedDesigns.joined(parts)
 
     def _evaluate(self, shares: Array) -> EvaluatedDesigns:
         made = self.made(shares)
@@ -124,10 +124,8 @@ class DesignEvaluator:
         results = block.values.reshape(count, copies, -1)
         known = {name: made[:, :, k] for k, name in enumerate(self.plan.names)}
         known |= {name: results[:, :, k] for k, name in enumerate(self.task.columns)}
-        ways = self.task.objectives.items()
-        objectives = np.column_stack(
-            [self._value(text, known, 1.0 if way == "minimise" else -1.0) for text, way in ways]
-        )
+        signs = zip(self.task.objectives, self.task.signs, strict=True)
+        objectives = np.column_stack([self._value(text, known, sign) for text, sign in signs])
         constraints = np.empty((count, len(self.limits)))
         for place, (text, sign, _) in enumerate(self.limits):
             constraints[:, place] = self._value(text, known, sign)

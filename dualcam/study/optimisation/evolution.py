@@ -55,7 +55,7 @@ def differential_evolution(search: Search) -> None:
         tol=STOP,
     )
     if smooth and search.best is not None:
-        gradient.descend(search, search.shares(search.best))
+        gradient.descend(search, search.designs[search.best])
 
 
 def first_designs(search: Search, population: int) -> Array:

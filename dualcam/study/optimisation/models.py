@@ -23,7 +23,7 @@ from dualcam.study.optimisation.designs import Design, FmuRuns, Function
 from dualcam.study.optimisation.task import Optimisation
 from dualcam.study.plan.plan import Plan
 from dualcam.study.run.evaluator import Evaluator
-from dualcam.study.run.processes import check_sendable, refuse_in_a_daemon
+from dualcam.study.run.processes import check_processes
 from dualcam.study.run.runner import Block
 from dualcam.study.study import Study
 
@@ -49,17 +49,11 @@ def plan_of(task: Optimisation) -> Plan:
     for name, deviation in task.tolerances.items():
         if name not in vary:
             vary[name] = deviation.distribution(nominal[name])
-    if not isinstance(task.model, FmuRuns):
-        return Plan("latin", vary, runs=1, same_as=task.same_as)
-    return Plan(
-        "latin",
-        vary,
-        runs=1,
-        same_as=task.same_as,
-        derived=task.model.derived,
-        constraints=task.model.conditions,
-        on_violation="mark",
-    )
+    model = task.model
+    formulas: Any = {}
+    if isinstance(model, FmuRuns):
+        formulas = {"derived": model.derived, "constraints": model.conditions, "on_violation": "mark"}
+    return Plan("latin", vary, runs=1, same_as=task.same_as, **formulas)
 
 
 def open_model(
@@ -79,12 +73,8 @@ def own_values(task: Optimisation) -> dict[str, float]:
     """The model's own values of what is designed, where these are numbers, and of what has a tolerance."""
     needed = [name for name in task.tolerances if name not in task.vary]
     if not isinstance(task.model, FmuRuns):
-        refuse(
-            [
-                f"optimise: tolerances: {name} does not vary: a function gets what varies only"
-                for name in needed
-            ]
-        )
+        unknown = "does not vary: a function gets what varies only"
+        refuse(f"optimise: tolerances: {name} {unknown}" for name in needed)
         return {}
     variables = read_model_description(source_path(task.model.fmu)).variables
     starts = {each.name: each.start for each in variables}
@@ -92,13 +82,8 @@ def own_values(task: Optimisation) -> dict[str, float]:
     for name in [*task.designed, *needed]:
         with suppress(TypeError, ValueError):  # no start value, or one that is no number
             found[name] = float(task.model.parameters.get(name, starts.get(name)))  # type: ignore[arg-type]
-    refuse(
-        [
-            f"optimise: tolerances: {name} is no number of the FMU{hint(name, starts)}"
-            for name in needed
-            if name not in found
-        ]
-    )
+    lacking = [name for name in needed if name not in found]
+    refuse(f"optimise: tolerances: {name} is no number of the FMU{hint(name, starts)}" for name in lacking)
     return found
 
 
@@ -109,8 +94,7 @@ class FunctionModel:
         self._function, self._plan, self._results = function, plan, list(results)
         self._processes: ProcessPoolExecutor | None = None
         if workers > 0:
-            refuse_in_a_daemon()
-            check_sendable(function, "the model", "give a function of a module")
+            check_processes(function, "the model", "give a function of a module")
             self._processes = ProcessPoolExecutor(workers, multiprocessing.get_context("spawn"))
 
     def __call__(self, rows: Array) -> Block:

@@ -20,7 +20,7 @@ from filelock import FileLock
 
 from dualcam.common.mistakes import StudyError
 from dualcam.fmi.reals import Array
-from dualcam.study.optimisation.evaluation import EvaluatedDesigns
+from dualcam.study.optimisation.evaluation import ARRAYS, EvaluatedDesigns
 from dualcam.study.run.chunk import checksum
 from dualcam.study.store.storage import Folder, locked
 
@@ -120,9 +120,7 @@ class Record:
 
 
 def _line(batch: EvaluatedDesigns) -> bytes:
-    arrays = {
-        name: getattr(batch, name).tolist() for name in ("shares", "results", "objectives", "constraints")
-    }
+    arrays = {name: getattr(batch, name).tolist() for name in ARRAYS}
     text = json.dumps(arrays | {"messages": batch.messages}).encode()
     return b"%s %s\n" % (checksum(text).encode(), text)
 
@@ -134,10 +132,7 @@ def _parsed(line: bytes) -> EvaluatedDesigns | None:
         if line.endswith(b"\n") and mark.decode() == checksum(text):
             read = json.loads(text)
             count = len(read["shares"])
-            shares, results, objectives, constraints = (
-                np.array(read[name], float).reshape(count, -1)
-                for name in ("shares", "results", "objectives", "constraints")
-            )
+            arrays = {name: np.array(read[name], float).reshape(count, -1) for name in ARRAYS}
             messages = {int(place): text for place, text in read["messages"].items()}
-            return EvaluatedDesigns(shares, results, objectives, constraints, messages)
+            return EvaluatedDesigns(**arrays, messages=messages)
     return None

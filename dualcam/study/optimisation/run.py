@@ -21,7 +21,7 @@ from dualcam.fmi.library import source_path
 from dualcam.fmi.reals import Array
 from dualcam.study.optimisation import evolution, gradient
 from dualcam.study.optimisation.designs import FmuRuns
-from dualcam.study.optimisation.evaluation import DesignEvaluator
+from dualcam.study.optimisation.evaluation import DesignEvaluator, EvaluatedDesigns
 from dualcam.study.optimisation.optimum import ACTIVE, Optimum, unbeaten
 from dualcam.study.optimisation.record import Record
 from dualcam.study.optimisation.search import BudgetSpent, Search
@@ -34,11 +34,6 @@ RUNS = {"slsqp": gradient.run, "evolution": evolution.differential_evolution, "n
 CHECKS = 40  # of the front's hypervolume over the search
 STATE = ("feasible", "message")  # of a design, beside its values
 BEYOND = 1.01  # reference point of the hypervolume, in extents of the front from its best corner
-PACKAGES = {
-    "slsqp": ("numpy", "scipy"),
-    "evolution": ("numpy", "scipy"),
-    "nsga2": ("numpy", "scipy", "pymoo"),
-}
 
 
 def optimise(
@@ -124,36 +119,33 @@ def facts(task: Optimisation) -> dict[str, Any]:
 
 
 def _versions(task: Optimisation) -> dict[str, str]:
-    return {name: importlib.metadata.version(name) for name in PACKAGES[task.method_used]}
+    packages = ["numpy", "scipy", *(["pymoo"] if task.method_used == "nsga2" else [])]
+    return {name: importlib.metadata.version(name) for name in packages}
 
 
 def _optimum(search: Search, folder: Path | None) -> Optimum:
     task, evaluator = search.task, search.evaluator
-    messages = Counter(text for batch in search.batches for text in batch.messages.values())
+    whole = EvaluatedDesigns.joined(search.batches)
+    messages = Counter(whole.messages.values())
     if search.best is None:
         first = messages.most_common(1)[0][0]
         raise StudyError(f"none of {search.count} designs could be evaluated, most of them because: {first}")
-    shares, results, objectives, constraints = (
-        np.concatenate([getattr(batch, name) for batch in search.batches])
-        for name in ("shares", "results", "objectives", "constraints")
-    )
     fit = search.feasible_places()
     losses = np.array(search.losses)
     places = fit[unbeaten(losses[fit])] if len(fit) else np.array([search.best])
     if len(task.objectives) == 1:
         places = np.array([search.best])
     best = int(places[_nearest(losses[places])])
-    design = evaluator.design(shares[best])
-    designs = _designs(search, shares, results, objectives)
+    designs = _designs(search, whole)
     return Optimum(
         task=task,
-        design=design,
-        results=dict(zip(task.columns, results[best].tolist(), strict=True)),
-        objectives=dict(zip(task.objectives, objectives[best].tolist(), strict=True)),
-        constraints=_nearer(search, constraints[best], search.excess[best]),
+        design=evaluator.design(whole.shares[best]),
+        results=dict(zip(task.columns, whole.results[best].tolist(), strict=True)),
+        objectives=dict(zip(task.objectives, whole.objectives[best].tolist(), strict=True)),
+        constraints=_nearer(search, whole.constraints[best], search.excess[best]),
         feasible=len(fit) > 0,
-        active=[*_active_bounds(task, shares[best]), *_active_limits(search, best)],
-        violated=_violated(search, constraints[best], search.excess[best]),
+        active=[*_active_bounds(task, whole.shares[best]), *_active_limits(search, best)],
+        violated=_violated(search, whole.constraints[best], search.excess[best]),
         front={name: column[places] for name, column in designs.items() if name not in STATE},
         designs=designs,
         history=_history(search, losses, fit),
@@ -168,8 +160,8 @@ def _optimum(search: Search, folder: Path | None) -> Optimum:
 def _history(search: Search, losses: Array, fit: NDArray[np.intp]) -> Array:
     """Designs evaluated, and how good the best ones are."""
     if len(search.task.objectives) == 1:
-        way = 1.0 if next(iter(search.task.objectives.values())) == "minimise" else -1.0
-        return np.array([(count, loss * way) for count, loss in search.history], float).reshape(-1, 2)
+        sign = search.task.signs[0]
+        return np.array([(count, loss * sign) for count, loss in search.history], float).reshape(-1, 2)
     if len(fit) == 0:
         return np.empty((0, 2))
     front = losses[fit[unbeaten(losses[fit])]]
@@ -183,18 +175,18 @@ def _history(search: Search, losses: Array, fit: NDArray[np.intp]) -> Array:
     return np.column_stack([counts, np.array(volumes) / volumes[-1]])
 
 
-def _designs(search: Search, shares: Array, results: Array, objectives: Array) -> dict[str, Any]:
+def _designs(search: Search, whole: EvaluatedDesigns) -> dict[str, Any]:
     """All designs, as columns."""
     task, plan = search.task, search.evaluator.plan
-    rows = search.evaluator.rows(shares)
+    rows = search.evaluator.rows(whole.shares)
     columns: dict[str, Any] = {name: rows[:, plan.names.index(name)] for name in search.evaluator.chosen}
     for name, texts in plan.texts.items():
         columns[name] = np.array([texts[int(place)] for place in columns[name]], dtype=object)
-    columns |= {name: results[:, k] for k, name in enumerate(task.columns)}
-    columns |= {text: objectives[:, k] for k, text in enumerate(task.objectives)}
+    columns |= {name: whole.results[:, k] for k, name in enumerate(task.columns)}
+    columns |= {text: whole.objectives[:, k] for k, text in enumerate(task.objectives)}
     columns[STATE[0]] = np.array([int(search.feasible(place)) for place in range(search.count)])
-    messages = (batch.messages.get(k, "") for batch in search.batches for k in range(len(batch.shares)))
-    return columns | {STATE[1]: np.array(list(messages), dtype=object)}
+    messages = [whole.messages.get(place, "") for place in range(search.count)]
+    return columns | {STATE[1]: np.array(messages, dtype=object)}
 
 
 def _nearest(losses: Array) -> int:
@@ -267,6 +259,5 @@ def _best_words(search: Search) -> str:
         return f"{search.failed:,} failed"
     if not search.feasible(search.best):
         return "none keeps all constraints yet"
-    text, way = next(iter(search.task.objectives.items()))
-    sign = 1.0 if way == "minimise" else -1.0
-    return f"{text} = {sign * float(search.losses[search.best][0]):.6g}"
+    loss = float(search.losses[search.best][0])
+    return f"{next(iter(search.task.objectives))} = {search.task.signs[0] * loss:.6g}"

@@ -133,6 +133,11 @@ class Optimisation:
         return self.method or ("evolution" if len(self.objectives) == 1 else "nsga2")
 
     @property
+    def signs(self) -> list[float]:
+        """Of each objective: 1 where less is better, else -1."""
+        return [1.0 if way == "minimise" else -1.0 for way in self.objectives.values()]
+
+    @property
     def population_used(self) -> int:
         """Designs in a generation."""
         return min(self.population or min(max(10 * len(self.designed), 20), 100), self.budget)

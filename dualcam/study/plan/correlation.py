@@ -90,10 +90,9 @@ class Copula:
         matrix = np.eye(len(names))
         for each in correlations:
             i, j = names.index(each.first), names.index(each.second)
-            if each.kind == "rank":
-                matrix[i, j] = matrix[j, i] = 2.0 * math.sin(math.pi * each.value / 6.0)
-            else:
-                matrix[i, j] = matrix[j, i] = _nataf(vary, each)
+            is_rank = each.kind == "rank"
+            score = 2.0 * math.sin(math.pi * each.value / 6.0) if is_rank else _nataf(vary, each)
+            matrix[i, j] = matrix[j, i] = score
         eigenvalues, vectors = np.linalg.eigh(matrix)
         if eigenvalues[0] < LEAST_EIGENVALUE:
             raise StudyError(_contradiction(names, matrix, vectors[:, 0], eigenvalues[0]))
@@ -142,12 +141,9 @@ def _pearson(one: Vary, other: Vary) -> Callable[[float], float]:
 
     nodes, weights = np.polynomial.hermite_e.hermegauss(NODES)
     weights = weights / weights.sum()
-    x = at(one, nodes)
-    mean_x = weights @ x
-    std_x = math.sqrt(weights @ (x - mean_x) ** 2)
-    y = at(other, nodes)
-    mean_y = weights @ y
-    std_y = math.sqrt(weights @ (y - mean_y) ** 2)
+    x, y = at(one, nodes), at(other, nodes)
+    mean_x, mean_y = weights @ x, weights @ y
+    std_x, std_y = (math.sqrt(weights @ (v - mean) ** 2) for v, mean in ((x, mean_x), (y, mean_y)))
 
     def correlation(rho: float) -> float:
         second = rho * nodes[:, None] + math.sqrt(1.0 - rho * rho) * nodes

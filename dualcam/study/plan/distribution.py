@@ -63,25 +63,20 @@ class Distribution:
         allowed = [*shapes, "loc"] if self.is_discrete else [*shapes, "loc", "scale"]
         needed = shapes if kind.name != "norm" else ["loc", "scale"]
         words = ["mean", "std"] if kind.name == "norm" else allowed
+        before, after = f"distribution {self.name}", f"allowed are {', '.join(words)}"
         if unknown := sorted(set(given) - set(allowed)):
-            raise StudyError(
-                f"distribution {self.name} has no argument {', '.join(unknown)}: allowed are "
-                f"{', '.join(words)}"
-            )
+            raise StudyError(f"{before} has no argument {', '.join(unknown)}: {after}")
         if lacking := [name for name in needed if name not in given]:
             back = {"loc": "mean", "scale": "std"} if kind.name == "norm" else {}
-            raise StudyError(
-                f"distribution {self.name} lacks {', '.join(back.get(n, n) for n in lacking)}: allowed are "
-                f"{', '.join(words)}"
-            )
+            raise StudyError(f"{before} lacks {', '.join(back.get(n, n) for n in lacking)}: {after}")
         if strange := [f"{name} = {value}" for name, value in given.items() if not math.isfinite(value)]:
-            raise StudyError(f"distribution {self.name}: {', '.join(strange)}: allowed are finite numbers")
+            raise StudyError(f"{before}: {', '.join(strange)}: allowed are finite numbers")
         with np.errstate(all="ignore"):
             frozen = kind(**given)
             middle = frozen.ppf(0.5)
         if not np.isfinite(middle):
             shown = ", ".join(f"{name} = {value:g}" for name, value in arguments.items())
-            raise StudyError(f"distribution {self.name} with {shown}: scipy.stats allows no such values")
+            raise StudyError(f"{before} with {shown}: scipy.stats allows no such values")
         return frozen
 
     @property
@@ -99,10 +94,8 @@ class Distribution:
         """Probability up to the ends of the range, of the whole distribution; from above if `_is_upper`."""
         if self._is_upper:
             return float(self._frozen.sf(self.high)), float(self._frozen.sf(self.low))
-        below = self.low - 1.0 if self.is_discrete and math.isfinite(self.low) else self.low
-        return float(
-            self._frozen.cdf(math.ceil(below) if self.is_discrete and math.isfinite(below) else below)
-        ), float(self._frozen.cdf(self.high))
+        below = math.ceil(self.low) - 1.0 if self.is_discrete and math.isfinite(self.low) else self.low
+        return float(self._frozen.cdf(below)), float(self._frozen.cdf(self.high))
 
     @property
     def _mass(self) -> float:
@@ -138,7 +131,4 @@ class Distribution:
             return 1.0
         if self._is_upper:
             return (float(self._frozen.sf(value)) - self._ends[0]) / self._mass
-        beyond = float(self._frozen.sf(value)) - (
-            0.0 if math.isinf(self.high) else float(self._frozen.sf(self.high))
-        )
-        return max(beyond, 0.0) / self._mass
+        return max(float(self._frozen.sf(value)) - float(self._frozen.sf(self.high)), 0.0) / self._mass

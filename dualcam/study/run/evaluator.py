@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -99,10 +99,6 @@ class Evaluator:
         count = self._workers.count()
         size = math.ceil(len(table) / (SHARES * count)) if count > 1 else len(table)
         orders = [table[start : start + size] for start in range(0, len(table), size)]
-        blocks = dict(self._workers.answers(orders))
-        joined = Block(np.empty((0, len(self._readings.raw))), {})
-        for place in range(len(orders)):
-            block = blocks[place]
-            assert isinstance(block, Block)
-            joined = Block.joined(joined, block)
+        blocks = cast(dict[int, Block], dict(self._workers.answers(orders)))
+        joined = Block.joined([blocks[place] for place in range(len(orders))])
         return Block(self._readings.table(joined.values, varied, list(joined.messages)), joined.messages)

@@ -124,8 +124,7 @@ class Processes(Workers):
 
     def __init__(self, task: Task, count: int) -> None:
         super().__init__(task)
-        refuse_in_a_daemon()
-        check_sendable(task.job, "this study", "let a function of a module make the controller")
+        check_processes(task.job, "this study", "let a function of a module make the controller")
         self._most = count
         self._team: list[_Worker] = []
 
@@ -202,17 +201,13 @@ def in_a_daemon() -> bool:
     return multiprocessing.current_process().daemon
 
 
-def refuse_in_a_daemon() -> None:
-    """StudyError in a process that may start no others."""
+def check_processes(thing: object, name: str, remedy: str) -> None:
+    """StudyError where this process may start no others, or where no other one can get a thing."""
     if in_a_daemon():
         raise StudyError(
             "this process is a daemon of multiprocessing, such as a worker of its Pool, and may start no"
             " processes: use workers = 0"
         )
-
-
-def check_sendable(thing: object, name: str, remedy: str) -> None:
-    """StudyError for what no other process can get."""
     try:
         pickle.dumps(thing)
     except Exception as error:  # pickle has several for it

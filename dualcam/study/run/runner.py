@@ -72,9 +72,14 @@ class Block:
         return cls(np.full((1, width), np.nan), {0: message})
 
     @classmethod
-    def joined(cls, first: Block, second: Block) -> Block:
-        moved = {len(first.values) + place: text for place, text in second.messages.items()}
-        return cls(np.concatenate([first.values, second.values]), first.messages | moved)
+    def joined(cls, blocks: Sequence[Block]) -> Block:
+        starts = np.cumsum([0, *(len(block.values) for block in blocks)]).tolist()
+        messages = {
+            start + place: text
+            for start, block in zip(starts, blocks, strict=False)
+            for place, text in block.messages.items()
+        }
+        return cls(np.concatenate([block.values for block in blocks]), messages)
 
 
 @dataclass
