@@ -96,7 +96,7 @@ class Batch:
             found.numbers = self._numbers(tolerance.value, start.value)
         elif kind in (STEP2, STEP3):
             start, size = arguments[:2]
-            assert addressof(size) == addressof(start) + sizeof(c_double)  # dualcam.study.run.step_numbers
+            assert addressof(size) == addressof(start) + sizeof(c_double)  # dualcam.study.run.step_times
             found.numbers = addressof(start)
         elif kind != PLAIN:
             references, values = arguments[0], arguments[3 if kind == RATES2 else 2]

@@ -34,7 +34,8 @@ from dualcam.scenario.scenario import Controller, Scenario
 from dualcam.study.plan.rows import values_of, violated_by, violating
 from dualcam.study.plan.texts import Texts
 from dualcam.study.run.batch import Batch, Window, copy, loop_in_c
-from dualcam.study.run.step_numbers import FIRST, Arrangement, Key, StepNumbers
+from dualcam.study.run.step_numbers import StepNumbers
+from dualcam.study.run.step_times import FIRST, Arrangement, Key
 
 FATAL = 4  # FMI's status from which an instance cannot be used any more
 IN_C_FROM = 3  # runs of one layout: to lay the calls out for C takes as long as some runs from Python

@@ -1,18 +1,12 @@
-"""Steps of runs as numbers in one buffer: runs of the same steps differ in these numbers alone.
-
-The FMI calls of a run are laid out once for each arrangement of steps, on the views of a buffer. A row of the
-plan is then a line of numbers that is copied into the buffer before the first call."""
+"""The steps of the runs of a scenario, for the rows of a plan: runs of one arrangement differ in numbers."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from ctypes import c_double, sizeof
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from dualcam.common.mistakes import StudyError
 from dualcam.fmi.reals import Array
@@ -21,70 +15,17 @@ from dualcam.scenario.history import History, Number, names_in, numbers_in
 from dualcam.scenario.scenario import Scenario, Step, instants
 from dualcam.study.plan.rows import values_of
 from dualcam.study.plan.texts import Texts
-from dualcam.study.run.step_times import AT_ONE_INSTANT, FIRST, has_points, steps_of_rows
-
-Key = tuple[Any, ...]
-
-
-@dataclass(frozen=True)
-class Arrangement:
-    """Which calls the steps make, and the views on their numbers: times, sizes, inputs and their rates.
-
-    `steps` are those of one run. `read_after` has for each result the step after which it is read; -1: before
-    the first step."""
-
-    steps: tuple[Step, ...]
-    read_after: tuple[int, ...]
-
-    @cached_property
-    def buffer(self) -> Any:  # noqa: ANN401
-        """The numbers, an array of c_double."""
-        numbers = numbers_of(self.steps)
-        return (c_double * len(numbers))(*numbers)
-
-    @cached_property
-    def key(self) -> Key:
-        """Equal for runs that make the same calls."""
-        return key_of(self.steps, self.read_after)
-
-    def view(self, place: int, part: str) -> Any:  # noqa: ANN401
-        """The numbers of a step as C has them, a view on `buffer`: "time", "size", "values" or "rates"."""
-        start = sum(_length(step) for step in self.steps[:place])
-        step = self.steps[place]
-        at, count = {
-            "time": (0, 0),
-            "size": (1, 0),
-            "values": (2, len(step.values)),
-            "rates": (2 + len(step.values), len(step.rates)),
-        }[part]
-        kind = c_double * count if part in ("values", "rates") else c_double
-        return kind.from_buffer(self.buffer, (start + at) * sizeof(c_double))
-
-
-def _length(step: Step) -> int:
-    return 2 + len(step.values) + len(step.rates)
-
-
-def numbers_of(steps: Sequence[Step]) -> list[float]:
-    """The numbers of all steps, one after another."""
-    found: list[float] = []
-    for step in steps:
-        found += [step.time, step.size, *step.values.values(), *step.rates.values()]
-    return found
-
-
-def key_of(steps: Sequence[Step], read_after: Sequence[int]) -> Key:
-    """Equal for runs that make the same calls."""
-    return tuple(read_after), tuple((step.control, tuple(step.values), tuple(step.rates)) for step in steps)
-
-
-@dataclass(frozen=True)
-class Group:
-    """Runs of one arrangement: their places among the rows, and a line of numbers for each."""
-
-    arrangement: Arrangement
-    places: NDArray[np.intp]
-    numbers: Array
+from dualcam.study.run.step_times import (
+    AT_ONE_INSTANT,
+    FIRST,
+    Arrangement,
+    Group,
+    Key,
+    groups_of_rows,
+    has_points,
+    key_of,
+    numbers_of,
+)
 
 
 class StepNumbers:
@@ -257,12 +198,8 @@ class StepNumbers:
         def evaluate(number: Number) -> Array:
             return numbers_in(number, columns, len(rows))
 
-        found, refused = steps_of_rows(self.scenario, self.results, evaluate, len(rows))
-        failed = {int(place): self._why_not(rows[place]) for place in refused}
-        groups = [
-            Group(Arrangement(each.steps, each.read_after), each.places, each.numbers) for each in found
-        ]
-        return groups, failed
+        groups, refused = groups_of_rows(self.scenario, self.results, evaluate, len(rows))
+        return groups, {int(place): self._why_not(rows[place]) for place in refused}
 
     def _why_not(self, row: Array) -> str:
         try:
