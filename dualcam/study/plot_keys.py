@@ -7,7 +7,7 @@ from typing import Any
 
 from dualcam.common.entries import NUMBER, TEXT, Kind, hint, problems_of_entries
 from dualcam.study.plan.plan import Plan
-from dualcam.study.run.results_wanted import Readings
+from dualcam.study.run.readings import Readings
 
 NAMES = TEXT.listed()
 BEST = Kind(

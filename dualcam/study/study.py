@@ -25,7 +25,7 @@ from dualcam.study.plan.plan import Plan
 from dualcam.study.run.chunk import Task, Written
 from dualcam.study.run.first_runs import check, takes_less_than
 from dualcam.study.run.processes import in_a_daemon
-from dualcam.study.run.results_wanted import Readings
+from dualcam.study.run.readings import Readings
 from dualcam.study.run.runner import Job, Runner
 from dualcam.study.run.team import workers_for
 from dualcam.study.store.results import Results, read_results

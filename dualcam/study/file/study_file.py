@@ -19,7 +19,7 @@ from dualcam.study.file.schema import model_of
 from dualcam.study.file.schema_check import check_schema
 from dualcam.study.plot_keys import problems_of_columns
 from dualcam.study.run.fmu_check import problems_with_fmu
-from dualcam.study.run.results_wanted import Readings
+from dualcam.study.run.readings import Readings
 from dualcam.study.study import Study
 
 if TYPE_CHECKING:

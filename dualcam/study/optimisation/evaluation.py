@@ -14,6 +14,7 @@ from dualcam.study.optimisation.designs import Design, choices, share_of
 from dualcam.study.optimisation.models import Model, open_model, own_values, plan_of
 from dualcam.study.optimisation.task import Optimisation
 from dualcam.study.plan.plan import Plan
+from dualcam.study.plan.rows import values_of
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -82,9 +83,8 @@ class DesignEvaluator:
 
     def design(self, shares: Array) -> Design:
         """Values of one design by name, without those that only happen."""
-        row = dict(zip(self.plan.names, self.rows(shares[None, :])[0].tolist(), strict=True))
-        found: Design = {name: row[name] for name in self.chosen}
-        return found | {name: texts[round(row[name])] for name, texts in self.plan.texts.items()}
+        values = values_of(self.plan.names, self.rows(shares[None, :])[0], self.plan.texts)
+        return {name: values[name] for name in self.chosen}
 
     @property
     def chosen(self) -> list[str]:

@@ -22,6 +22,7 @@ from dualcam.fmi.reals import Array
 from dualcam.study.optimisation.designs import Design, FmuRuns, Function
 from dualcam.study.optimisation.task import Optimisation
 from dualcam.study.plan.plan import Plan
+from dualcam.study.plan.rows import values_of
 from dualcam.study.run.evaluator import Evaluator
 from dualcam.study.run.processes import check_processes
 from dualcam.study.run.runner import Block
@@ -99,7 +100,7 @@ class FunctionModel:
 
     def __call__(self, rows: Array) -> Block:
         attempt = partial(_attempt, self._function)
-        designs = [self._design(row) for row in rows.tolist()]
+        designs = [values_of(self._plan.names, row, self._plan.texts) for row in rows]
         try:
             given = list((self._processes.map if self._processes else map)(attempt, designs))
         except BrokenProcessPool as error:
@@ -117,17 +118,13 @@ class FunctionModel:
                 values[place] = self._chosen(one)
         return Block(values, messages)
 
-    def _design(self, row: Sequence[float]) -> Design:
-        design: Design = dict(zip(self._plan.names, row, strict=True))
-        return design | {name: texts[round(float(design[name]))] for name, texts in self._plan.texts.items()}
-
     def _chosen(self, given: object) -> list[float]:
         if not isinstance(given, Mapping):
             raise StudyError(f"the model returned {given!r:.60}: allowed is a dict of results by name")
         if lacking := [name for name in self._results if name not in given]:
+            allowed = ", ".join(map(str, given))
             raise StudyError(
-                f"the model gives no {', '.join(lacking)}: allowed are {', '.join(map(str, given))}, and "
-                "what varies"
+                f"the model gives no {', '.join(lacking)}: allowed are {allowed}, and what varies"
             )
         return [float(given[name]) for name in self._results]
 

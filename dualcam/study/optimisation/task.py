@@ -16,7 +16,7 @@ from dualcam.study.optimisation.designs import Deviation, FmuRuns, Function, Ran
 from dualcam.study.plan.correlation import Correlation
 from dualcam.study.plan.fields import problem_of_same
 from dualcam.study.plan.vary import Vary
-from dualcam.study.run.results_wanted import column_of, is_series
+from dualcam.study.run.readings import column_of, is_series
 
 METHODS = ("slsqp", "evolution", "nsga2")
 DIRECTIONS = ("minimise", "maximise")

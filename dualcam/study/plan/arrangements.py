@@ -67,18 +67,14 @@ def shares(kind: str, runs: int, variables: int, seed: int, second_order: bool, 
 
 def _of_salib(kind: str, runs: int, variables: int, seed: int, second_order: bool, levels: int) -> Array:
     names = [f"x{place}" for place in range(variables)]
-    cube: dict[str, Any] = {"num_vars": variables, "names": names, "bounds": [[0.0, 1.0]] * variables}
-    if kind == "saltelli":
-        return np.asarray(
-            salib("sample.sobol").sample(cube, runs, calc_second_order=second_order, seed=seed), float
-        )
-    if kind == "morris":
-        return np.asarray(salib("sample.morris").sample(cube, runs, num_levels=levels, seed=seed), float)
-    return np.asarray(salib("sample.fast_sampler").sample(cube, runs, M=HARMONICS, seed=seed), float)
-
-
-def salib(module: str) -> Any:  # noqa: ANN401
-    """A module of SALib."""
+    cube = {"num_vars": variables, "names": names, "bounds": [[0.0, 1.0]] * variables}
+    samplers: dict[str, tuple[str, dict[str, Any]]] = {
+        "saltelli": ("sobol", {"calc_second_order": second_order}),
+        "morris": ("morris", {"num_levels": levels}),
+        "fast": ("fast_sampler", {"M": HARMONICS}),
+    }
+    name, options = samplers[kind]
     kinds = ", ".join(SALIB)
     advice = f"plans of kind {kinds} need SALib: pip install SALib, or take kind = 'indices'"
-    return optional_module(f"SALib.{module}", advice)
+    module = optional_module(f"SALib.sample.{name}", advice)
+    return np.asarray(module.sample(cube, runs, seed=seed, **options), float)

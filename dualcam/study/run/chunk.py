@@ -14,7 +14,7 @@ import numpy as np
 from dualcam.fmi.fmu import Array
 from dualcam.study.plan.plan import Plan
 from dualcam.study.plan.texts import Texts
-from dualcam.study.run.results_wanted import Readings
+from dualcam.study.run.readings import Readings
 from dualcam.study.run.runner import Block, Job, run_rows
 from dualcam.study.store.encoding import Column, encoded
 from dualcam.study.store.storage import Storage

@@ -24,7 +24,7 @@ class Died(Exception):
 
 
 class Workers(ABC):
-    """Those that make the runs of one task. A context manager: they are sent home at its end."""
+    """Those that make the runs of one task, and are sent home at the end of the context."""
 
     def __init__(self, task: Task) -> None:
         self.task = task

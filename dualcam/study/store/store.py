@@ -28,7 +28,7 @@ from filelock import FileLock
 from dualcam.common.mistakes import StudyError
 from dualcam.study.plan.plan import Plan
 from dualcam.study.run.chunk import RUNS, Files, Written, checksum, name_of
-from dualcam.study.run.results_wanted import Readings
+from dualcam.study.run.readings import Readings
 from dualcam.study.store.encoding import FORMATS, check_format, default_format
 from dualcam.study.store.storage import Folder, Listed, Storage, locked, storage_at
 
