@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 
@@ -11,7 +11,7 @@ import numpy as np
 from dualcam.common.mistakes import StudyError
 from dualcam.fmi.reals import Array
 from dualcam.scenario.formula import formula
-from dualcam.scenario.history import History, Number, names_in, numbers_in
+from dualcam.scenario.history import Number, names_in, numbers_in
 from dualcam.scenario.scenario import Scenario, Step, instants
 from dualcam.study.plan.rows import values_of
 from dualcam.study.plan.texts import Texts
@@ -69,9 +69,7 @@ class StepNumbers:
         if has_points(self.scenario, self._interpolates, self._fixed):
             return self._groups_by_points(rows)
         columns = [self.names.index(name) for name in self.scenario.names]
-        different, which = np.unique(rows[:, columns], axis=0, return_inverse=True)
-        first = np.zeros(len(different), int)
-        first[which[::-1]] = np.arange(len(rows))[::-1]
+        different, first, which = np.unique(rows[:, columns], axis=0, return_index=True, return_inverse=True)
         by_key: dict[Key, tuple[Arrangement, list[int], list[list[float]]]] = {}
         failed: dict[int, str] = {}
         for place, line in enumerate(first):
@@ -122,43 +120,16 @@ class StepNumbers:
     @cached_property
     def _formulas(self) -> list[str]:
         """Of the values of inputs, each once: equal ones keep a step without a slope."""
-        found: list[str] = []
-
-        def note(text: str) -> float:
-            found.append(text)
-            return 0.0
-
-        self._replaced(note, float)
-        return list(dict.fromkeys(found))
-
-    def _replaced(
-        self, of_formula: Callable[[str], float], of_number: Callable[[float], float]
-    ) -> dict[str, History]:
-        """The inputs with other values."""
-
-        def other(number: Number) -> float:
-            return of_formula(number) if isinstance(number, str) else of_number(float(number))
-
-        return {
-            name: replace(
-                history,
-                value=[other(number) for number in history.value],
-                mean=other(history.mean),
-                amplitude=other(history.amplitude),
-            )
-            for name, history in self.scenario.inputs.items()
-        }
+        inputs = self.scenario.inputs.values()
+        numbers = [number for each in inputs for number in (*each.value, each.mean, each.amplitude)]
+        return list(dict.fromkeys(number for number in numbers if isinstance(number, str)))
 
     @cached_property
     def _line_and_matrix(self) -> tuple[Arrangement, Array, Array]:
         """The arrangement, the numbers where all formulas are 0, and what each formula adds for 1."""
-        samples = [self._sample(self._replaced(lambda text: 0.0, float))]
-        for wanted in self._formulas:
-
-            def unit(text: str, one: str = wanted) -> float:
-                return float(text == one)
-
-            samples.append(self._sample(self._replaced(unit, lambda number: 0.0)))
+        zeros = dict.fromkeys(self._formulas, 0.0)
+        samples = [self._sample(zeros, keeps_numbers=True)]
+        samples += [self._sample(zeros | {text: 1.0}, keeps_numbers=False) for text in self._formulas]
         rates = [
             list(dict.fromkeys(key for sample in samples for key in sample[0][k].rates))
             for k in range(len(samples[0][0]))
@@ -175,7 +146,23 @@ class StepNumbers:
         matrix = np.array([numbers_of(steps) for steps in added]).reshape(len(added), len(line))
         return Arrangement(tuple(whole[0]), samples[0][1]), line, matrix
 
-    def _sample(self, inputs: Mapping[str, History]) -> tuple[tuple[Step, ...], tuple[int, ...]]:
+    def _sample(
+        self, values: Mapping[str, float], keeps_numbers: bool
+    ) -> tuple[tuple[Step, ...], tuple[int, ...]]:
+        """The steps where formulas have these values; other numbers stay, or are 0."""
+
+        def other(number: Number) -> float:
+            return values[number] if isinstance(number, str) else float(number) * keeps_numbers
+
+        inputs = {
+            name: replace(
+                history,
+                value=[other(number) for number in history.value],
+                mean=other(history.mean),
+                amplitude=other(history.amplitude),
+            )
+            for name, history in self.scenario.inputs.items()
+        }
         control = self.scenario.controller
         still = replace(control, arguments={}) if control else None
         return self._steps(replace(self.scenario, inputs=inputs, controller=still))
