@@ -15,12 +15,11 @@ from dualcam.common.mistakes import Findings, StudyError
 from dualcam.fmi.model_description import Scalar
 from dualcam.scenario.scenario import Scenario
 from dualcam.study.file.context import Context, unit_in
-from dualcam.study.file.plan_table import plan_of
+from dualcam.study.file.plan_table import STAND_IN, plan_of
 from dualcam.study.file.scenario_table import scenario_of
 from dualcam.study.file.schema import model_of
 from dualcam.study.file.schema_check import check_schema
 from dualcam.study.file.study_file import NO_SCENARIO, Tables, parameters_of, read_tables
-from dualcam.study.file.values import STAND_IN
 from dualcam.study.optimisation.design_files import sections_of
 from dualcam.study.optimisation.designs import Deviation, FmuRuns, Range
 from dualcam.study.optimisation.task import NUMBERS, Optimisation

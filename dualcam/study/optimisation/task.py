@@ -261,7 +261,7 @@ def _of_goals(task: Optimisation) -> Iterator[str]:
 
 
 def _of_formulas(task: Optimisation) -> Iterator[str]:
-    texts = [name for name, vary in task.designed.items() if vary.is_list and vary.texts is not None]
+    texts = [name for name, vary in task.designed.items() if vary.texts is not None]
     for text in dict.fromkeys([*task.objectives, *task.constraints]):
         try:
             names = formula(text).names

@@ -72,7 +72,7 @@ class Correlation:
         for name in dict.fromkeys((self.first, self.second)):
             if name not in vary:
                 found.append(f"{name} does not vary{hint(name, vary)}")
-            elif vary[name].is_list and vary[name].texts is not None:
+            elif vary[name].texts is not None:
                 found.append(f"{name} varies over texts, which have no order: allowed are numbers")
         if not -1.0 < self.value < 1.0:
             found.append(f"{self.kind} = {self.value:g}: allowed is above -1 and below 1; use same_as for 1")

@@ -50,9 +50,7 @@ class PlanFields:
     @cached_property
     def texts(self) -> dict[str, Texts]:
         """The texts of each String, by name: `rows` has their places."""
-        own = {
-            name: vary.texts for name, vary in self.vary.items() if vary.is_list and vary.texts is not None
-        }
+        own = {name: vary.texts for name, vary in self.vary.items() if vary.texts is not None}
         return own | {name: own[other] for name, other in self.same_as.items() if other in own}
 
     @cached_property
@@ -116,11 +114,10 @@ def _of_table(plan: PlanFields) -> Iterator[str]:
 def _of_values(plan: PlanFields) -> Iterator[str]:
     for name, vary in plan.vary.items():
         problems = vary.problems(in_grid=plan.kind == "grid")
-        if not problems and plan.kind == "morris" and not all(map(math.isfinite, vary.limits())):
-            problems = [
-                f"Morris takes both ends of the range, and {vary.distribution} has none: give from and to"
-            ]
         yield from (f"{name}: {problem}" for problem in problems)
+        if not problems and plan.kind == "morris" and not all(map(math.isfinite, vary.limits())):
+            why = f"Morris takes both ends of the range, and {vary.distribution} has none"
+            yield f"{name}: {why}: give from and to"
 
 
 def _of_same(plan: PlanFields) -> Iterator[str]:
@@ -183,7 +180,7 @@ def _of_names(plan: PlanFields) -> Iterator[str]:
 
 
 def _of_formulas(plan: PlanFields) -> list[str]:
-    texts = [name for name, vary in plan.vary.items() if vary.is_list and vary.texts is not None]
+    texts = [name for name, vary in plan.vary.items() if vary.texts is not None]
     found: list[str] = []
     for word, formulas in (("derived", plan.derived), ("constraints", plan.constraints)):
         for name, text in formulas.items():
