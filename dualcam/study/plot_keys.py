@@ -41,7 +41,8 @@ def _problems_of_keys(plot: object) -> list[str]:
 
 def problems_of_columns(plots: Sequence[Mapping[str, Any]], plan: Plan, readings: Readings) -> list[str]:
     """What is wrong with the columns of pictures whose keys are sound, one text each."""
-    known = columns_to_draw(plan, readings)
+    known = [name for name in plan.names if name not in plan.texts]  # columns with one number for each run
+    known += [name for name in readings.columns if name not in readings.series]
     found = [
         f"plot {plot['kind']}: {name!r} is no column of numbers{hint(name, known)}"
         for plot in plots
@@ -51,12 +52,6 @@ def problems_of_columns(plots: Sequence[Mapping[str, Any]], plan: Plan, readings
     if plan.kind != "indices" and any(plot["kind"] == "sobol" for plot in plots):
         found.append(f"plot sobol needs a plan of kind indices, this one is of kind {plan.kind}")
     return found
-
-
-def columns_to_draw(plan: Plan, readings: Readings) -> list[str]:
-    """Columns with one number for each run."""
-    names = [name for name in plan.names if name not in plan.texts]
-    return names + [name for name in readings.columns if name not in readings.series]
 
 
 def columns_of(plot: Mapping[str, Any]) -> list[str]:

@@ -97,9 +97,6 @@ def _label(fmu: Fmu, study: Study, name: str) -> str:
     return variable + (f" at {time} s" if at else "") + (f" [{unit}]" if unit and unit != "1" else "")
 
 
-# ---- map ----
-
-
 def _map(
     axis: Axes, study: Study, columns: Mapping[str, Array], labels: Mapping[str, str], plot: Mapping[str, Any]
 ) -> None:
@@ -144,9 +141,6 @@ def _means(x: Array, y: Array, z: Array) -> tuple[Array, Array, Array]:
     np.add.at(count, (line, column), 1.0)
     with np.errstate(invalid="ignore"):
         return across, along, total / count
-
-
-# ---- Sobol's indices ----
 
 
 def indices(study: Study, values: Array) -> Any:  # noqa: ANN401
@@ -206,9 +200,6 @@ def _sobol(axis: Axes, study: Study, columns: Mapping[str, Array], of: Sequence[
     axis.legend(fontsize=8, loc="upper center", bbox_to_anchor=(0.45, -0.12), ncols=len(of))
 
 
-# ---- Pareto ----
-
-
 def front(x: Array, y: Array, best: Sequence[str] = ("max", "max")) -> NDArray[np.intp]:
     """Places of the runs that no other beats in one of the two without losing in the other, by growing x."""
     gain_x, gain_y = (x if best[0] == "max" else -x), (y if best[1] == "max" else -y)
@@ -237,9 +228,6 @@ def _pareto(
     across, along = (f"{labels[plot[key]]}, {wanted[way]}" for key, way in zip("xy", best, strict=True))
     axis.set(xlabel=across, ylabel=along)
     axis.legend(fontsize=8)
-
-
-# ---- parallel coordinates ----
 
 
 def _parallel(

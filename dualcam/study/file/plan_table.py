@@ -55,16 +55,13 @@ def plan_of(context: Context, content: Mapping[str, Any]) -> Plan:
     }
     sound = [each for each in correlations if each is not None]
     used = [name for each in sound for name in (each.first, each.second)]
-    used += [name for each in formulas.values() for text in each.values() for name in _names_in(text)]
+    sound_texts = [text for each in formulas.values() for text in each.values() if is_formula(text)]
+    used += [name for text in sound_texts for name in formula(text).names]
     findings.note(*_with_names_of_fmu(context, vary, {*same_as.values(), *used} - {*formulas["derived"]}))
     given = {key: content[key] for key in AS_GIVEN if key in content}
     kind = content.get("kind", "random")
     plan = findings.attempt(Plan, kind, vary, same_as=same_as, correlations=sound, **formulas, **given)
     return findings.result(plan)
-
-
-def _names_in(text: str) -> tuple[str, ...]:
-    return formula(text).names if is_formula(text) else ()
 
 
 def _with_names_of_fmu(context: Context, vary: dict[str, Vary], used: set[str]) -> list[str]:
@@ -88,7 +85,7 @@ def _plan_of_file(context: Context, content: Mapping[str, Any]) -> Plan:
         raise StudyError(f"plan: table = {written!r}: {problem}")
     path = context.folder / written
     texts = [name for name, unit in context.units.items() if unit == STRING]
-    if tables.is_parquet(path):
+    if path.suffix.lower() in (".parquet", ".pq"):
         columns = tables.read_parquet(path)
     else:
         columns = tables.read_csv(path, texts, partial(_in_unit_of_fmu, context))
@@ -134,8 +131,6 @@ class _Values:
         found = self._profiles(seed) if by == "table" else self._list() if by == "values" else self._range()
         self._findings.refuse()
         return found
-
-    # ---- numbers ----
 
     def _range(self) -> Vary:
         self._check_unit()
@@ -190,8 +185,6 @@ class _Values:
                     "measure different things: allowed are units of one kind"
                 )
 
-    # ---- lists ----
-
     def _list(self) -> Vary:
         self._check_unit()
         values, unit = self._content["values"], self._content.get("unit", "")
@@ -205,8 +198,6 @@ class _Values:
         numbers = tuple(self._number("values", each) for each in values)
         self._check_kinds()
         return Vary(values=numbers, weights=weights, unit=unit)
-
-    # ---- groove tables with an error ----
 
     def _profiles(self, seed: int) -> Vary:
         """Tables with a random error."""

@@ -75,8 +75,6 @@ class DesignEvaluator:
                 found[place] = share_of(vary, value)
         return found
 
-    # ---- values ----
-
     def rows(self, shares: Array) -> Array:
         """Values of the parts exactly as designed, columns in the order of the plan's names."""
         return self.plan.sampler.completed(self._designed(shares))
@@ -108,8 +106,6 @@ class DesignEvaluator:
             parts[:, 1:] = np.where(self._chance, 0.0, parts[:, 1:]) + self._deviations
         count, copies, width = parts.shape
         return self.plan.sampler.completed(parts.reshape(count * copies, width)).reshape(count, copies, -1)
-
-    # ---- evaluation ----
 
     def evaluate(self, shares: Array) -> EvaluatedDesigns:
         """Objectives and constraints of designs, shape (designs, designed values)."""

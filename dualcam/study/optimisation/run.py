@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import hashlib
-import importlib.metadata
 from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager, suppress
+from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -80,11 +80,13 @@ def optimise(
     """
     if not is_whole(workers) or workers < 0:
         raise StudyError(f"workers = {workers!r}: allowed is a whole number, 0 or more")
+    packages = ["numpy", "scipy"]
     if task.method_used == "nsga2":
         evolution.pymoo_classes()
+        packages.append("pymoo")
     place = None if folder is None else Path(folder)
     with closing(DesignEvaluator(task, workers, scheduler)) as evaluator:
-        record = Record(place, facts(task), _versions(task))
+        record = Record(place, facts(task), {name: version(name) for name in packages})
         with closing(record), _progress(console, task, record.resumed) as on_batch:
             search = Search(evaluator, record, on_batch)
             with suppress(BudgetSpent):
@@ -118,11 +120,6 @@ def facts(task: Optimisation) -> dict[str, Any]:
     }
 
 
-def _versions(task: Optimisation) -> dict[str, str]:
-    packages = ["numpy", "scipy", *(["pymoo"] if task.method_used == "nsga2" else [])]
-    return {name: importlib.metadata.version(name) for name in packages}
-
-
 def _optimum(search: Search, folder: Path | None) -> Optimum:
     task, evaluator = search.task, search.evaluator
     whole = EvaluatedDesigns.joined(search.batches)
@@ -130,7 +127,7 @@ def _optimum(search: Search, folder: Path | None) -> Optimum:
     if search.best is None:
         first = messages.most_common(1)[0][0]
         raise StudyError(f"none of {search.count} designs could be evaluated, most of them because: {first}")
-    fit = search.feasible_places()
+    fit = np.array([place for place in range(search.count) if search.feasible(place)], np.intp)
     losses = np.array(search.losses)
     places = fit[unbeaten(losses[fit])] if len(fit) else np.array([search.best])
     if len(task.objectives) == 1:

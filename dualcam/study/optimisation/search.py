@@ -6,7 +6,6 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from dualcam.fmi.reals import Array
 from dualcam.study.optimisation.evaluation import DesignEvaluator, EvaluatedDesigns
@@ -106,7 +105,3 @@ class Search:
     def feasible(self, place: int) -> bool:
         """Whether a design could be evaluated and keeps all constraints."""
         return bool(np.all(np.isfinite(self.losses[place]))) and self.violation(place) == 0.0
-
-    def feasible_places(self) -> NDArray[np.intp]:
-        """All of these designs."""
-        return np.array([place for place in range(self.count) if self.feasible(place)], np.intp)

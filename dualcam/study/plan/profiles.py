@@ -61,18 +61,13 @@ class RandomProfiles:
         falling = sum(bool(np.any(np.diff(self.height(place)) < 0.0)) for place in range(self.count))
         if falling:
             slope = float((np.diff(self.z) / np.diff(self.psi)).min())
-            share = 100.0 * falling / self.count
+            share, bend = 100.0 * falling / self.count, self.deviation / self.correlation_length
             raise StudyError(
                 f"deviation = {self.deviation:g} m, correlation_length = {self.correlation_length:g} rad: "
                 f"{share:.3g} % of the tables would fall somewhere, which the FMU refuses. The slope of the "
-                f"error has the standard deviation {self._slope:.3g} m/rad, the least slope of the groove is "
+                f"error has the standard deviation {bend:.3g} m/rad, the least slope of the groove is "
                 f"{slope:.3g} m/rad: give a smaller deviation or a longer correlation length"
             )
-
-    @property
-    def _slope(self) -> float:
-        """Standard deviation of the slope of the error [m/rad]."""
-        return self.deviation / self.correlation_length
 
     @cached_property
     def _factor(self) -> Array:

@@ -15,11 +15,6 @@ from dualcam.study.plan.texts import GivenTexts
 from dualcam.study.plan.vary import Vary
 
 
-def is_parquet(path: Path) -> bool:
-    """Whether the name of a file says that it is a Parquet file."""
-    return path.suffix.lower() in (".parquet", ".pq")
-
-
 def read_csv(
     path: Path, texts: Collection[str] = (), converted: Converter | None = None
 ) -> dict[str, Sequence[Any] | Array]:

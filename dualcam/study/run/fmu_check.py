@@ -63,9 +63,6 @@ def problems_with_fmu(variables: Variables, plan: Plan, job: Job, used: Collecti
     return findings.problems
 
 
-# ---- names ----
-
-
 def _of_names(variables: Variables, plan: Plan, job: Job, used: Collection[str]) -> Iterator[str]:
     """Names that are no variables of the FMU serve formulas; formulas use names that vary."""
     scenario = job.scenario
@@ -83,9 +80,6 @@ def _of_names(variables: Variables, plan: Plan, job: Job, used: Collection[str])
             yield f"scenario: a formula uses {name}, which does not vary{hint(name, plan.names)}"
         elif name in plan.texts and name not in for_law:
             yield f"scenario: a formula uses {name}, which is a text: allowed are numbers"
-
-
-# ---- values ----
 
 
 def _problem_of_start(variable: Variable) -> list[str]:
@@ -174,9 +168,6 @@ def _check_parameters(variables: Variables, plan: Plan, job: Job, findings: Find
             least, most = _range(variable)
             if number is not None and not isinstance(number, str) and not least <= float(number) <= most:
                 findings.note(f"parameters: {name} = {value}: the FMU allows {least:g} to {most:g}")
-
-
-# ---- results and inputs ----
 
 
 def _check_results(variables: Variables, job: Job, findings: Findings) -> None:

@@ -18,7 +18,6 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -131,14 +130,10 @@ class Readings:
 
     # ---- values ----
 
-    @cached_property
-    def _is_plain(self) -> bool:
-        return all(each.kind == VALUE for each in self._parsed.values())
-
     def of(self, raw: Array, varied: Mapping[str, Column], failed: Sequence[int] = ()) -> dict[str, Column]:
         """The columns of results, shape (runs,) or (runs, instants), of what the FMU gave, shape (runs, raw),
         and of the values of the plan, for formulas. Runs at the places `failed` have no results."""
-        if self._is_plain:
+        if all(each.kind == VALUE for each in self._parsed.values()):
             return dict(zip(self.columns, raw.T, strict=True))
         places = {name: k for k, name in enumerate(self.raw)}
         by_name = {name: raw[:, k] for name, k in places.items()}

@@ -183,7 +183,9 @@ def groups_of_rows(
         history, order = source_of(scenario.inputs, name)
         curves[name] = _Curve(history, order, evaluate)
     stop = evaluate(scenario.stop)
-    wanted = [_time_of(result, stop) for result in results]
+    wanted = [
+        np.full(count, instants([result], np.inf)[0][1]) if "@" in result else stop for result in results
+    ]
     sound = np.isfinite(stop) & (stop > 0.0)
     for each in curves.values():
         sound &= each.is_sound
@@ -207,11 +209,6 @@ def groups_of_rows(
             _group(curves, members, starts[which, :made], ends[which, :made], stop[members], after, asks)
         )
     return groups, np.flatnonzero(~sound)
-
-
-def _time_of(result: str, stop: Array) -> Array:
-    """The time at which a result is read, of each run."""
-    return np.full(len(stop), instants([result], np.inf)[0][1]) if "@" in result else stop
 
 
 def _starts(

@@ -91,7 +91,7 @@ class Folder(Storage):
     def listing(self, folder: str) -> dict[str, Listed]:
         try:
             with os.scandir(self.path / folder) as entries:
-                found = {each.name: each.stat() for each in entries if _is_finished(each.name)}
+                found = {each.name: each.stat() for each in entries if not each.name.endswith(UNFINISHED)}
         except FileNotFoundError:
             return {}
         return {name: (each.st_size, each.st_mtime_ns) for name, each in found.items()}
@@ -168,10 +168,6 @@ class ObjectStore(Storage):
         return files.open(f"{path}/{name}", "rb")
 
     checks_itself = True
-
-
-def _is_finished(name: str) -> bool:
-    return not (name.startswith(".") and name.endswith(UNFINISHED))
 
 
 def locked(path: Path, busy: str) -> FileLock | None:
