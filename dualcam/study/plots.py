@@ -1,14 +1,6 @@
 """Pictures of a finished study: efficiency maps, Sobol's indices, Pareto fronts, parallel coordinates.
 
-A plot is a table with `kind` and, for that kind:
-
-    map       x, y, z            colours over two varying quantities, the highest marked; of a plan that is
-                                 no grid, means over hexagons
-    sobol     of = [...]         first and total indices of results, of a plan of kind "indices"
-    pareto    x, y, best, color  results against each other; best = ["max", "min"]: what is wanted of x and y
-    parallel  axes, color,       a line for each run over these columns; the share `highlight` (0.1) of the
-              highlight          runs with the highest color is drawn over the rest
-"""
+`plot_keys` says which keys each kind has, docs/study-plan.md what they mean."""
 
 from __future__ import annotations
 

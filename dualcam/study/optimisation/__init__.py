@@ -1,19 +1,7 @@
 """Optimisation: the best design instead of a cloud of points.
 
-    from dualcam.study import FmuRuns, Optimisation, Scenario, Vary, optimise
-
-    best = optimise(
-        Optimisation(
-            FmuRuns("forward", Scenario(0.001)),
-            {"cam1.lead_angle": Vary(0.4, 1.2), "cam2.lead_angle": Vary(0.4, 1.2)},
-            {"efficiency": "maximise"},
-        ),
-        "results/best",
-    )
-
 A design is a row of values. Its runs are those of a study. Several parts of each design, as made, give a
-percentile. The search (`gradient`, `evolution`) asks for batches of designs. The record
-keeps them.
+percentile. The search (`gradient`, `evolution`) asks for batches of designs. The record keeps them.
 """
 
 from dualcam.study.optimisation.designs import Deviation, FmuRuns

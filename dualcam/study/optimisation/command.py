@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
-
-import numpy as np
 
 from dualcam.common.mistakes import StudyError, refuse
 from dualcam.study.optimisation.design_files import fits_design_file, write_design
@@ -16,6 +13,7 @@ from dualcam.study.optimisation.optimum import Optimum
 from dualcam.study.optimisation.page import front_rows, write_page
 from dualcam.study.optimisation.run import optimise
 from dualcam.study.optimisation.task import Optimisation, in_words
+from dualcam.study.store.encoding import encoded
 from dualcam.study.study import say
 
 if TYPE_CHECKING:
@@ -88,20 +86,13 @@ def summary(found: Optimum) -> list[str]:
 def write_files(found: Optimum, folder: Path, title: str) -> None:
     """Page, table of the front, and design files."""
     try:
-        _write_table(folder / FRONT, found.front)
-        _write_table(folder / DESIGNS, found.designs)
+        for name, table in ((FRONT, found.front), (DESIGNS, found.designs)):
+            (folder / name).write_bytes(encoded(table, "csv", ""))
         if fits_design_file(found.task):
             _write_designs(found, folder, title)
         write_page(found, folder / PAGE, title)
     except OSError as error:
         raise StudyError(f"cannot write into {folder}: {error.strerror or error}") from error
-
-
-def _write_table(path: Path, columns: dict[str, np.ndarray]) -> None:
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow(columns)
-        writer.writerows(zip(*(column.tolist() for column in columns.values()), strict=True))
 
 
 def _write_designs(found: Optimum, folder: Path, title: str) -> None:

@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dualcam.fmi.reals import Array
-from dualcam.study.optimisation.designs import Design, choices, share_of
+from dualcam.study.optimisation.designs import Design, is_within, share_of
 from dualcam.study.optimisation.models import Model, open_model, own_values, plan_of
 from dualcam.study.optimisation.task import Optimisation
 from dualcam.study.plan.plan import Plan
 from dualcam.study.plan.rows import values_of
+from dualcam.study.run.runner import joined_messages
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -35,12 +36,7 @@ class EvaluatedDesigns:
 
     @classmethod
     def joined(cls, parts: Sequence[EvaluatedDesigns]) -> EvaluatedDesigns:
-        starts = np.cumsum([0, *(len(part.shares) for part in parts)]).tolist()
-        messages = {
-            start + place: text
-            for start, part in zip(starts, parts, strict=False)
-            for place, text in part.messages.items()
-        }
+        messages = joined_messages([part.shares for part in parts], [part.messages for part in parts])
         arrays = {name: np.concatenate([getattr(part, name) for part in parts]) for name in ARRAYS}
         return cls(**arrays, messages=messages)
 
@@ -69,9 +65,7 @@ class DesignEvaluator:
         found = np.full(len(self.task.designed), 0.5)
         for place, (name, vary) in enumerate(self.task.designed.items()):
             value = values.get(name, math.nan)
-            if vary.is_list:
-                found[place] = share_of(vary, value) if value in choices(vary) else 0.5
-            elif vary.low <= float(value) <= vary.high:
+            if is_within(vary, value):
                 found[place] = share_of(vary, value)
         return found
 

@@ -12,8 +12,8 @@ from dualcam.common.arrays import real_array
 from dualcam.common.mistakes import StudyError
 from dualcam.study.run.chunk import Task, varied_columns
 from dualcam.study.run.first_runs import check
+from dualcam.study.run.processes import workers_for
 from dualcam.study.run.runner import Block
-from dualcam.study.run.team import workers_for
 
 if TYPE_CHECKING:
     from distributed import Client

@@ -1,4 +1,4 @@
-"""Workers that are processes of this machine."""
+"""Workers that are processes of this machine, and the choice among all workers."""
 
 from __future__ import annotations
 
@@ -14,13 +14,17 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from multiprocessing.connection import Connection, wait
 from queue import SimpleQueue
-from typing import cast
+from typing import TYPE_CHECKING, cast
 
 from dualcam.common.mistakes import StudyError
 from dualcam.fmi.fmu import Array
 from dualcam.study.run.chunk import Answer, Order, Task
-from dualcam.study.run.runner import Block
-from dualcam.study.run.workers import AHEAD, Answers, Died, Workers
+from dualcam.study.run.cluster import Cluster
+from dualcam.study.run.runner import Block, Runner
+from dualcam.study.run.workers import AHEAD, Answers, Died, InThisProcess, Workers
+
+if TYPE_CHECKING:
+    from distributed import Client
 
 GRACE = 2.0  # s, for a process that is sent home in the middle of something
 Made = Callable[[], Answer] | Exception  # runs whose file is not written yet
@@ -181,6 +185,14 @@ class Processes(Workers):
             _send_home([worker])
         assert made is not None
         return cast(Block, made[1])
+
+
+def workers_for(task: Task, runner: Runner, count: int, scheduler: str | Client | None = None) -> Workers:
+    """`count` processes, or this process with its `runner` for 0; or those of a Dask scheduler."""
+    if scheduler is None and count == 0:
+        return InThisProcess(task, runner)
+    runner.close()
+    return Processes(task, count) if scheduler is None else Cluster(task, scheduler)
 
 
 def _occupy(worker: _Worker, left: deque[tuple[int, Order]], most: int) -> None:

@@ -73,13 +73,15 @@ class Block:
 
     @classmethod
     def joined(cls, blocks: Sequence[Block]) -> Block:
-        starts = np.cumsum([0, *(len(block.values) for block in blocks)]).tolist()
-        messages = {
-            start + place: text
-            for start, block in zip(starts, blocks, strict=False)
-            for place, text in block.messages.items()
-        }
-        return cls(np.concatenate([block.values for block in blocks]), messages)
+        values = [block.values for block in blocks]
+        return cls(np.concatenate(values), joined_messages(values, [block.messages for block in blocks]))
+
+
+def joined_messages(parts: Sequence[Array], messages: Sequence[Mapping[int, str]]) -> dict[int, str]:
+    """Messages by their places in all parts, of those by their places in each."""
+    starts = np.cumsum([0, *map(len, parts)]).tolist()
+    pairs = zip(starts, messages, strict=False)
+    return {start + place: text for start, own in pairs for place, text in own.items()}
 
 
 @dataclass

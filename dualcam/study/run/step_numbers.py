@@ -23,7 +23,6 @@ from dualcam.study.run.step_times import (
     Key,
     groups_of_rows,
     has_points,
-    key_of,
     numbers_of,
 )
 
@@ -74,14 +73,13 @@ class StepNumbers:
         failed: dict[int, str] = {}
         for place, line in enumerate(first):
             try:
-                steps, read_after = self._steps(self._scenario_of(rows[line]))
+                arrangement = self.arrangement(self._scenario_of(rows[line]))
             except StudyError as error:
                 failed |= dict.fromkeys(np.flatnonzero(which == place).tolist(), "; ".join(error.problems))
                 continue
-            key = key_of(steps, read_after)
-            entry = by_key.setdefault(key, (Arrangement(steps, read_after), [], []))
-            entry[1].append(place)
-            entry[2].append(numbers_of(steps))
+            _, members, numbers = by_key.setdefault(arrangement.key, (arrangement, [], []))
+            members.append(place)
+            numbers.append(numbers_of(arrangement.steps))
         groups = []
         for arrangement, members, numbers in by_key.values():
             order = np.full(len(different), -1)

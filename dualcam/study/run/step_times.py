@@ -47,7 +47,8 @@ class Arrangement:
     @cached_property
     def key(self) -> Key:
         """Equal for runs that make the same calls."""
-        return key_of(self.steps, self.read_after)
+        calls = tuple((step.control, tuple(step.values), tuple(step.rates)) for step in self.steps)
+        return self.read_after, calls
 
     @cached_property
     def _begins(self) -> list[int]:
@@ -73,11 +74,6 @@ def numbers_of(steps: Sequence[Step]) -> list[float]:
     for step in steps:
         found += [step.time, step.size, *step.values.values(), *step.rates.values()]
     return found
-
-
-def key_of(steps: Sequence[Step], read_after: Sequence[int]) -> Key:
-    """Equal for runs that make the same calls."""
-    return tuple(read_after), tuple((step.control, tuple(step.values), tuple(step.rates)) for step in steps)
 
 
 @dataclass(frozen=True)
