@@ -12,10 +12,9 @@ docs/design-file.md describes the keys.
 May import common, fmi, design, scenario.
 """
 
-from dualcam.design_file.argument import DesignSource, as_design
 from dualcam.design_file.design import DesignFile, SpringLimits
 from dualcam.design_file.findings import DesignFileError, Finding
-from dualcam.design_file.reader import read_design
+from dualcam.design_file.reader import DesignSource, as_design, read_design
 from dualcam.design_file.schema import json_schema
 from dualcam.design_file.templates import TEMPLATES, write_template
 
