@@ -1,8 +1,4 @@
-"""Does a design last: the stresses, the wear and the fatigue that follow from the tables of a design file.
-
-The formulas are those of dualcam.design. Here they get the values of one design; the check and the report
-show the results.
-"""
+"""Does a design last: stresses, wear and fatigue of a design file, by the formulas of dualcam.design."""
 
 from __future__ import annotations
 

@@ -49,9 +49,7 @@ OTHER_WORDS = {
 
 
 def unknown_key(key: str, known: Mapping[str, str], value: object = None) -> str:
-    """A sentence about an unknown key: the nearest names, also in other tables.
-
-    `key` is dotted; `known` has all keys; `value` is what the file gives."""
+    """A sentence about an unknown key, dotted, with a value: the nearest names, also in other tables."""
     table, _, last = key.rpartition(".")
     if last.lower() in DIAMETERS and f"{table}.radius" in known:
         half = _half(value)
@@ -83,13 +81,11 @@ def nearest_keys(key: str, known: Iterable[str]) -> list[str]:
     table, _, last = key.rpartition(".")
     last = last.lower()
     own = {name.rpartition(".")[2]: name for name in known if name.rpartition(".")[0] == table}
-    meant = OTHER_WORDS.get(last)
-    if meant in own:
+    if (meant := OTHER_WORDS.get(last)) in own:
         return [own[meant]]
     if close := get_close_matches(last, own, n=1, cutoff=0.7):
         return [own[close[0]]]
-    same = [name for name in known if name.rpartition(".")[2] == last]
-    if same:
+    if same := [name for name in known if name.rpartition(".")[2] == last]:
         return _first(same)
     if meant and not table:
         return _first([name for name in known if name.rpartition(".")[2] == meant])

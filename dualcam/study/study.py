@@ -224,7 +224,7 @@ class Study:
 
 
 def say(console: Console, text: str) -> None:
-    """A line as it is: paths and the FMU's words hold brackets, and are to be copied."""
+    """Print a line as it is: paths and the FMU's words hold brackets, and are to be copied."""
     console.print(text, highlight=False, markup=False, soft_wrap=True)
 
 

@@ -50,9 +50,8 @@ class Context:
             return in_si(where, value)
         unit = self.units[name]
         if unit is None or unit == STRING:
-            raise StudyError(
-                f"{where} = {value!r}: {name} is no real variable: allowed is a number without unit"
-            )
+            allowed = "allowed is a number without unit"
+            raise StudyError(f"{where} = {value!r}: {name} is no real variable: {allowed}")
         return in_unit(where, value, unit)
 
     @cached_property
@@ -110,9 +109,8 @@ def in_unit(where: str, text: str, unit: str) -> float:
     except DesignError as error:
         raise StudyError(f"{where} = {text!r}: {error}") from None
     except Exception:  # pint has many, for units of FMUs of others
-        raise StudyError(
-            f"{where} = {text!r}: texts cannot be converted to the FMU's unit {unit!r}: allowed is a number"
-        ) from None
+        why = f"texts cannot be converted to the FMU's unit {unit!r}: allowed is a number"
+        raise StudyError(f"{where} = {text!r}: {why}") from None
 
 
 def unit_in(value: object) -> str:

@@ -37,10 +37,8 @@ def _shortfall(found: Optimum) -> list[str]:
     if found.feasible or found.folder is None:
         return []
     nearest = found.folder / (BEST if fits_design_file(found.task) else PAGE)
-    return [
-        f"{found.folder.name}: none of {found.evaluated:,} designs keeps all constraints. The nearest one, "
-        f"{nearest}, misses: {'; '.join(found.violated)}"
-    ]
+    said = f"{found.folder.name}: none of {found.evaluated:,} designs keeps all constraints"
+    return [f"{said}. The nearest one, {nearest}, misses: {'; '.join(found.violated)}"]
 
 
 def _search(
@@ -69,10 +67,8 @@ def _refusals(found: Optimum) -> list[str]:
 def summary(found: Optimum) -> list[str]:
     """The optimum in lines."""
     task = found.task
-    lines = [
-        f"{text} = {in_words(task, text, value)} ({task.objectives[text]})"
-        for text, value in found.objectives.items()
-    ]
+    goals = found.objectives.items()
+    lines = [f"{text} = {in_words(task, text, value)} ({task.objectives[text]})" for text, value in goals]
     lines += [f"  {name} = {in_words(task, name, value)}" for name, value in found.design.items()]
     lines += [f"  active: {text}" for text in found.holding]
     lines += [f"  {text}" for text in found.idle_words()]

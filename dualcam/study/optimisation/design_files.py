@@ -13,7 +13,7 @@ import numpy as np
 
 from dualcam.fmi.model_description import Scalar
 from dualcam.scenario.formula import formula
-from dualcam.scenario.scenario import History, Scenario
+from dualcam.scenario.scenario import History
 from dualcam.study.optimisation.designs import Design, FmuRuns
 from dualcam.study.optimisation.task import Optimisation
 
@@ -78,7 +78,9 @@ def _with_scenario(
     """The content with the numbers of the scenario, and a remark where a design file cannot have it."""
     from dualcam.fmi.variables import all_inputs
 
-    scenario, before = _numbers(task, design), content.pop("scenario", {})
+    assert isinstance(task.model, FmuRuns)
+    median = {name: float(vary.at(np.array([0.5]))[0]) for name, vary in task.chance.items()}
+    scenario, before = task.model.scenario.at({**median, **design}), content.pop("scenario", {})
     if scenario.controller is not None:
         return content, ["The scenario has a controller in Python, which a design file cannot have."]
     if any(history.shape == "sine" for history in scenario.inputs.values()):
@@ -87,20 +89,11 @@ def _with_scenario(
     table |= {name: value for name in ("step", "tolerance") if (value := getattr(scenario, name))}
     if "output_interval" in before:
         table["output_interval"] = before["output_interval"]
-    assert isinstance(task.model, FmuRuns)
     held = {**task.model.parameters, **design}
-    inputs: dict[str, Any] = {
-        name: _history(each) for name, each in scenario.inputs.items() if not each.derivative_of
-    }
+    given = {name: each for name, each in scenario.inputs.items() if not each.derivative_of}
+    inputs: dict[str, Any] = {name: _history(each) for name, each in given.items()}
     inputs |= {name: float(held[name]) for name in all_inputs() if name in held}
     return content | {"scenario": table | ({"inputs": inputs} if inputs else {})}, []
-
-
-def _numbers(task: Optimisation, design: Design) -> Scenario:
-    """The scenario of this design; what happens by chance has its median."""
-    assert isinstance(task.model, FmuRuns)
-    chance = {name: float(vary.at(np.array([0.5]))[0]) for name, vary in task.chance.items()}
-    return task.model.scenario.at({**chance, **design})
 
 
 def _history(history: History) -> dict[str, Any]:

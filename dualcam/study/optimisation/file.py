@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
@@ -19,7 +19,7 @@ from dualcam.study.file.plan_table import STAND_IN, plan_of
 from dualcam.study.file.scenario_table import scenario_of
 from dualcam.study.file.schema import model_of
 from dualcam.study.file.schema_check import check_schema
-from dualcam.study.file.study_file import NO_SCENARIO, Tables, parameters_of, read_tables
+from dualcam.study.file.study_file import NO_SCENARIO, Made, Tables, parameters_of, read_tables
 from dualcam.study.optimisation.design_files import sections_of
 from dualcam.study.optimisation.designs import Deviation, FmuRuns, Range
 from dualcam.study.optimisation.task import NUMBERS, Optimisation
@@ -150,18 +150,17 @@ class _Goals:
     """The section [optimise]. StudyError with all that is wrong with its numbers."""
 
     def __init__(self, context: Context, content: Tables) -> None:
-        self._context, self._findings = context, Findings()
+        self._context, self._content, self._findings = context, content, Findings()
         self.objectives = dict(content["objectives"])
         self.numbers = {name: content[name] for name in NUMBERS if name in content}
         self.units: dict[str, str] = {}  # in which the file gives limits, by their text
-        self.constraints = {
-            text: self._range(text, limits) for text, limits in content.get("constraints", {}).items()
-        }
-        self.tolerances = {
-            name: self._deviation(name, each) for name, each in content.get("tolerances", {}).items()
-        }
-        self.start = {name: self._start(name, value) for name, value in content.get("start", {}).items()}
+        self.constraints = self._each("constraints", self._range)
+        self.tolerances = self._each("tolerances", self._deviation)
+        self.start = self._each("start", self._start)
         self._findings.refuse()
+
+    def _each(self, key: str, read: Callable[[str, Any], Made]) -> dict[str, Made]:
+        return {name: read(name, value) for name, value in self._content.get(key, {}).items()}
 
     def _number(self, where: str, name: str, value: float | str) -> float | None:
         return self._findings.attempt(self._context.number, where, name, value)

@@ -198,10 +198,9 @@ def _of_search(task: Optimisation) -> Iterator[str]:
     if task.method and task.method not in METHODS:
         yield f"method = {task.method!r}{hint(task.method, METHODS)}"
     elif len(task.objectives) > 1 and task.method_used != "nsga2":
-        yield (
-            f"method {task.method} has one objective, here are {len(task.objectives)}: allowed is "
-            'method = "nsga2"; or make one formula of them, or limit all but one in constraints'
-        )
+        found = f"method {task.method} has one objective, here are {len(task.objectives)}"
+        remedy = "or make one formula of them, or limit all but one in constraints"
+        yield f'{found}: allowed is method = "nsga2"; {remedy}'
 
 
 def _of_design(task: Optimisation) -> Iterator[str]:

@@ -22,7 +22,7 @@ from typing import Any
 
 import numpy as np
 
-from dualcam.common.mistakes import Findings, StudyError
+from dualcam.common.mistakes import StudyError, refuse
 from dualcam.fmi.reals import Array
 from dualcam.scenario.formula import Formula, formula
 from dualcam.study.store.encoding import Column
@@ -69,11 +69,16 @@ class Readings:
         self._parsed: dict[str, Reading] = {}
         self._inner: dict[str, Reading] = {}  # samples inside formulas, which are no columns
         self.used: set[str] = set()
-        findings = Findings()
+        problems = []
         for text in results:
-            if reading := findings.attempt(self._named_reading, text, stop):
+            try:
+                reading = self._reading(text.strip(), stop)
+                if reading.column in self._parsed:
+                    raise StudyError(f"{reading.column} is named twice: allowed is once")
                 self._parsed[reading.column] = reading
-        findings.refuse()
+            except StudyError as error:
+                problems.append(f"result {text!r}: {error}")
+        refuse(problems)
         self.columns = list(self._parsed)
         self.raw = list(dict.fromkeys(name for each in self._parsed.values() for name in each.raw))
         self.series = {each.column: each.times for each in self._parsed.values() if each.kind == SERIES}
@@ -84,16 +89,6 @@ class Readings:
         return max(len(self.raw), sum(each.width for each in self._parsed.values()))
 
     # ---- texts ----
-
-    def _named_reading(self, text: str, stop: float | str) -> Reading:
-        """StudyError with the text."""
-        try:
-            reading = self._reading(text.strip(), stop)
-            if reading.column in self._parsed:
-                raise StudyError(f"{reading.column} is named twice: allowed is once")
-        except StudyError as error:
-            raise StudyError(f"result {text!r}: {error}") from None
-        return reading
 
     def _reading(self, text: str, stop: float | str) -> Reading:
         name, body = _split(text)

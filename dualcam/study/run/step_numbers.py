@@ -96,10 +96,7 @@ class StepNumbers:
         control = self.scenario.controller
         assert control is not None
         columns = dict(zip(self.names, rows.T, strict=True))
-        found = [
-            formula(each).numbers(columns, len(rows)) if isinstance(each, str) else np.full(len(rows), each)
-            for each in control.arguments.values()
-        ]
+        found = [numbers_in(each, columns, len(rows)) for each in control.arguments.values()]
         return np.column_stack(found) if found else np.empty((len(rows), 0))
 
     # ---- many runs at once ----
