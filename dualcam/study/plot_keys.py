@@ -26,17 +26,17 @@ OPTIONAL = {"title", "highlight", "color", "best"}
 
 def problems_of_keys(plots: Sequence[Any]) -> list[str]:
     """What is wrong with the keys of pictures, one text each."""
-    return [problem for plot in plots for problem in _problems_of_keys(plot)]
-
-
-def _problems_of_keys(plot: object) -> list[str]:
-    if not isinstance(plot, Mapping):
-        return [f"plots with {plot!r}: allowed are tables"]
-    kind = plot.get("kind", "")
-    if not isinstance(kind, str) or kind not in KINDS:
-        return [f"plot of kind {kind!r}{hint(str(kind), KINDS)}"]
-    kinds = {"kind": TEXT, "title": TEXT, **KINDS[kind]}
-    return problems_of_entries(plot, f"plot {kind}", kinds, set(kinds) - OPTIONAL)
+    found = []
+    for plot in plots:
+        kind = plot.get("kind", "") if isinstance(plot, Mapping) else None
+        if kind is None:
+            found.append(f"plots with {plot!r}: allowed are tables")
+        elif not isinstance(kind, str) or kind not in KINDS:
+            found.append(f"plot of kind {kind!r}{hint(str(kind), KINDS)}")
+        else:
+            kinds = {"kind": TEXT, "title": TEXT, **KINDS[kind]}
+            found += problems_of_entries(plot, f"plot {kind}", kinds, set(kinds) - OPTIONAL)
+    return found
 
 
 def problems_of_columns(plots: Sequence[Mapping[str, Any]], plan: Plan, readings: Readings) -> list[str]:

@@ -33,8 +33,7 @@ THIN = {"elinewidth": 0.8, "ecolor": "0.3"}  # of an interval
 
 
 def draw(studies: Sequence[tuple[Study, str | Path]], path: Path) -> None:
-    """All plots of these studies, whose results are in these folders, as panels of one picture. StudyError
-    if one cannot be drawn."""
+    """All plots of these studies, whose results are in these folders, as panels of one picture."""
     panels = [(study, folder, plot) for study, folder in studies for plot in study.plots]
     check_file([study for study, _ in studies], path)
     columns = min(2, len(panels))

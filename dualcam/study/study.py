@@ -176,11 +176,8 @@ class Study:
         job = self.job()
         runner = check(job, self.plan, self.readings.used)
         self.plan.rows(0, 1)  # what is too much for the memory is so before anything is written
-        size = runs_per_file or self._runs_per_file()
-        with (
-            closing(runner),
-            closing(Store(folder, self.facts(), self.plan, self.readings, size, file_format)) as store,
-        ):
+        what = self.facts(), self.plan, self.readings, runs_per_file or self._runs_per_file()
+        with closing(runner), closing(Store(folder, *what, file_format)) as store:
             missing = store.missing()
             if console and store.damaged:
                 say(console, f"damaged, made again: {', '.join(store.damaged)}")

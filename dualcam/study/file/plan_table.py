@@ -180,10 +180,9 @@ class _Values:
         for key, value, unit in given[1:]:
             first = given[0]
             if not are_of_one_kind(unit, first[2]):
-                raise StudyError(
-                    f"{self._where}: {first[0]} = {first[1]!r}, {key} = {value!r}: {first[2]} and {unit} "
-                    "measure different things: allowed are units of one kind"
-                )
+                found = f"{self._where}: {first[0]} = {first[1]!r}, {key} = {value!r}"
+                why = f"{first[2]} and {unit} measure different things"
+                raise StudyError(f"{found}: {why}: allowed are units of one kind")
 
     def _list(self) -> Vary:
         self._check_unit()

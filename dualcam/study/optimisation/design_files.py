@@ -103,8 +103,7 @@ def _history(history: History) -> dict[str, Any]:
 
 
 def toml_lines(table: Mapping[str, Any], path: tuple[str, ...] = ()) -> Iterator[str]:
-    """The lines of a TOML table: its keys, then the tables inside, each with its header. A number of a
-    parameter has its unit as a comment."""
+    """The lines of a TOML table, then of the tables inside. The unit of a parameter is a comment."""
     for name, value in table.items():
         if not isinstance(value, Mapping):
             yield f"{_key(name)} = {_literal(value)}{_unit_comment((*path, name), value)}"

@@ -158,8 +158,8 @@ def percentile(values: Array, level: float) -> Array:
 
 
 def _parts(task: Optimisation, plan: Plan) -> tuple[Array, np.ndarray[tuple[int, ...], np.dtype[np.bool_]]]:
-    """Common random numbers: what is added to each design, shape (samples, columns of the plan's `vary`), and
-    which columns have nothing but that."""
+    """What is added to each design, shape (samples, columns of the plan's `vary`); which columns are that
+    alone."""
     chance = np.array([name in task.chance for name in plan.vary])
     if not task.is_robust:
         return np.empty((0, len(plan.vary))), chance

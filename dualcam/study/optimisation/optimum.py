@@ -95,8 +95,7 @@ class Optimum:
 
 
 def unbeaten(losses: Array) -> Array:
-    """Places of the designs that no other one beats: no loss above, one below. In order of the first loss.
-    Of equal designs the first."""
+    """Places of the designs that no other one beats, in order of the first loss; of equal ones the first."""
     order = np.lexsort(losses.T[::-1])  # a design is beaten by earlier ones only
     kept = np.empty_like(losses)
     places: list[int] = []

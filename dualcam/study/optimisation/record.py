@@ -50,9 +50,8 @@ class Record:
             raise
         except (OSError, ValueError, KeyError) as error:
             self.close()
-            raise StudyError(
-                f"{folder} cannot be used: {error}: give another folder, or delete it"
-            ) from error
+            text = f"{folder} cannot be used: {error}: give another folder, or delete it"
+            raise StudyError(text) from error
         self.resumed = sum(len(batch.shares) for batch in batches)
         self._known = iter(batches)
 
@@ -69,10 +68,8 @@ class Record:
             other = [key for key in facts if json.dumps(begun["task"].get(key)) != json.dumps(facts[key])]
             other += [key for key in versions if begun["versions"].get(key) != versions[key]]
             if other and (folder / BATCHES).exists():
-                raise StudyError(
-                    f"{folder} holds another search (other {', '.join(other)}): give another folder, or "
-                    "delete it"
-                )
+                why = f"holds another search (other {', '.join(other)})"
+                raise StudyError(f"{folder} {why}: give another folder, or delete it")
         text = json.dumps({"task": facts, "versions": versions}, indent=1)
         Folder(folder).write(FACTS, text.encode())
 

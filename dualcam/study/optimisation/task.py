@@ -179,9 +179,8 @@ def problems_of_task(task: Optimisation) -> Iterator[str]:
     yield from _of_tolerances(task)
     yield from _of_goals(task)
     yield from _of_formulas(task)
-    for text in task.results:
-        if is_series(text):
-            yield f"result {text!r}: a series is not shown: allowed are results with one value"
+    for text in filter(is_series, task.results):
+        yield f"result {text!r}: a series is not shown: allowed are results with one value"
 
 
 def _of_search(task: Optimisation) -> Iterator[str]:

@@ -51,8 +51,7 @@ def problems(kind: str, runs: int, variables: int, second_order: bool, levels: i
 
 
 def shares(kind: str, runs: int, variables: int, seed: int, second_order: bool, levels: int) -> Array:
-    """The points of an arrangement, shape (count, variables), in [0, 1]; of "indices" those of both matrices,
-    shape (runs, 2 variables)."""
+    """The points, shape (count, variables), in [0, 1]; of "indices" of both matrices, (runs, 2 variables)."""
     from scipy.stats import qmc
 
     if kind in SALIB:

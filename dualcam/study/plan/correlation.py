@@ -100,8 +100,7 @@ class Copula:
         self._factor = np.linalg.cholesky(matrix)
 
     def shares(self, independent: Array) -> Array:
-        """Shares with the correlation, of independent shares in (0, 1), shape (n, variables); each column is
-        uniform as before."""
+        """Shares with the correlation, of independent shares in (0, 1), shape (n, variables)."""
         from scipy.special import ndtr, ndtri
 
         return np.asarray(ndtr(ndtri(independent) @ self._factor.T))
@@ -125,10 +124,8 @@ def _nataf(vary: Mapping[str, Vary], wanted: Correlation) -> float:
     reached = _pearson(vary[wanted.first], vary[wanted.second])
     low, high = reached(-1.0 + 1e-9), reached(1.0 - 1e-9)
     if not low < wanted.value < high:
-        raise StudyError(
-            f"correlation of {wanted.first} and {wanted.second}: pearson = {wanted.value:g}: these "
-            f"distributions allow {low:.3f} to {high:.3f}"
-        )
+        found = f"correlation of {wanted.first} and {wanted.second}: pearson = {wanted.value:g}"
+        raise StudyError(f"{found}: these distributions allow {low:.3f} to {high:.3f}")
     return float(brentq(lambda rho: reached(rho) - wanted.value, -1.0 + 1e-9, 1.0 - 1e-9, xtol=1e-10))
 
 

@@ -102,8 +102,7 @@ class Distribution:
         return self._ends[1] - self._ends[0]
 
     def at(self, share: Array) -> Array:
-        """Quantiles at shares in [0, 1] of the truncated distribution; infinite where 0 or 1 has no finite
-        value."""
+        """Quantiles of the truncated distribution at shares in [0, 1]; infinite where there is no end."""
         low, mass = self._ends[0], self._mass
         if self._is_upper:
             found = self._frozen.isf(low + (1.0 - share) * mass)
@@ -112,8 +111,7 @@ class Distribution:
         return np.clip(np.asarray(found, float), self.low, self.high)
 
     def share_below(self, value: float, inclusive: bool = True) -> float:
-        """Share of the truncated distribution up to a value. `inclusive`: whether the value itself counts,
-        which matters for whole numbers only."""
+        """Share of the truncated distribution up to a value, which counts if `inclusive`."""
         at = value if inclusive or not self.is_discrete else math.ceil(value) - 1.0
         if at >= self.high:
             return 1.0

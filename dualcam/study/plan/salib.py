@@ -36,10 +36,8 @@ def vary_of(problem: Mapping[str, Any]) -> dict[str, Vary]:
     names, bounds = list(problem["names"]), list(problem["bounds"])
     dists = list(problem.get("dists") or ["unif"] * len(names))
     if not len(names) == len(bounds) == len(dists):
-        raise StudyError(
-            f"SALib problem with {len(names)} names, {len(bounds)} bounds, {len(dists)} dists: allowed is "
-            "one of each for each name"
-        )
+        found = f"SALib problem with {len(names)} names, {len(bounds)} bounds, {len(dists)} dists"
+        raise StudyError(f"{found}: allowed is one of each for each name")
     if len(set(problem.get("groups") or names)) < len(names):
         raise StudyError("SALib problem with groups: allowed are problems without groups")
     return {name: _made(name, kind, ends) for name, kind, ends in zip(names, dists, bounds, strict=True)}
@@ -48,8 +46,7 @@ def vary_of(problem: Mapping[str, Any]) -> dict[str, Vary]:
 def _made(name: str, kind: str, ends: Sequence[float]) -> Vary:
     if kind not in MADE:
         raise StudyError(f"SALib problem: {name}: dists = {kind!r}{hint(kind, MADE)}")
-    lengths = LENGTHS.get(kind, (2,))
-    if len(ends) not in lengths:
+    if len(ends) not in (lengths := LENGTHS.get(kind, (2,))):
         words = " or ".join(map(str, lengths))
         raise StudyError(f"SALib problem: {name}: bounds = {list(ends)}: {kind} has {words} numbers")
     return MADE[kind](*(float(end) for end in ends))

@@ -111,9 +111,8 @@ class Sampler:
         try:
             return arrangements.shares(plan.kind, plan.runs, width, plan.seed, plan.second_order, plan.levels)
         except MemoryError:
-            raise StudyError(
-                f"plan: runs = {plan.runs}: their table does not fit into memory: take fewer, or a grid"
-            ) from None
+            why = "their table does not fit into memory: take fewer, or a grid"
+            raise StudyError(f"plan: runs = {plan.runs}: {why}") from None
 
     def _mixed(self, numbers: NDArray[np.int_]) -> Array:
         """Points of Saltelli's arrangement: A, B, then A with one column of B."""

@@ -18,9 +18,7 @@ from dualcam.study.plan.vary import Vary
 def read_csv(
     path: Path, texts: Collection[str] = (), converted: Converter | None = None
 ) -> dict[str, Sequence[Any] | Array]:
-    """Columns by name; those of `texts` have texts. StudyError for a file that is no such table.
-
-    `converted` is that of `read_columns`."""
+    """Columns by name; those of `texts` have texts. StudyError for a file that is no such table."""
     try:
         return dict(read_columns(path, "table of runs", texts, converted))
     except TableError as error:
@@ -41,9 +39,7 @@ def read_parquet(path: Path) -> dict[str, Sequence[Any] | Array]:
 def places(
     columns: Mapping[str, Sequence[Any] | Array], folder: Path | None = None
 ) -> tuple[dict[str, Vary], Array]:
-    """What varies, and the table of a plan: of texts their places.
-
-    `folder` is where relative paths among the texts start."""
+    """What varies, and the table of a plan: of texts, as paths relative to `folder`, their places."""
     if len({len(values) for values in columns.values()}) > 1:
         lengths = ", ".join(f"{name} {len(values)}" for name, values in columns.items())
         raise StudyError(f"plan: columns of different lengths: {lengths}: allowed is one length")
@@ -54,7 +50,7 @@ def places(
             vary[name] = Vary(values=GivenTexts.of(different, folder))
             place = {text: float(k) for k, text in enumerate(different)}
             table.append(np.array([place[value] for value in values]))
-            continue
-        vary[name] = Vary()
-        table.append(real_array(values, f"plan: column {name}", StudyError, kinds=TRUTH))
+        else:
+            vary[name] = Vary()
+            table.append(real_array(values, f"plan: column {name}", StudyError, kinds=TRUTH))
     return vary, np.column_stack(table) if table else np.empty((0, 0))

@@ -53,8 +53,7 @@ class GivenTexts:
 
     @classmethod
     def of(cls, texts: Sequence[str], folder: Path | None = None) -> GivenTexts:
-        """Texts of a list. A relative path of a file in `folder`, or else in the current one, becomes an
-        absolute one, and its content is kept."""
+        """Texts of a list. The content of a file in `folder`, or else in the current one, is kept."""
         found, contents = [], {}
         for place, text in enumerate(texts):
             path = (folder or Path()) / text
@@ -80,12 +79,9 @@ class GivenTexts:
 
     def facts(self) -> list[str]:
         """The texts; of a file its name and a hash of its content."""
-        return [
-            f"{Path(text).name} {hashlib.sha256(self.contents[place]).hexdigest()}"
-            if place in self.contents
-            else text
-            for place, text in enumerate(self.texts)
-        ]
+        digests = {place: hashlib.sha256(each).hexdigest() for place, each in self.contents.items()}
+        names = enumerate(self.texts)
+        return [f"{Path(text).name} {digests[k]}" if k in digests else text for k, text in names]
 
 
 # ---- files that travelled ----

@@ -104,10 +104,8 @@ class Vary:
         if lacking := [word for word, end in (("from", self.low), ("to", self.high)) if math.isnan(end)]:
             return [f"lacks {' and '.join(lacking)}: allowed are from and to, values, or a distribution"]
         if not (math.isfinite(self.low) and math.isfinite(self.high) and self.low < self.high):
-            return [
-                f"from {self.low:g} to {self.high:g}: allowed are finite numbers, the first below the "
-                "second, or values"
-            ]
+            allowed = "allowed are finite numbers, the first below the second, or values"
+            return [f"from {self.low:g} to {self.high:g}: {allowed}"]
         if self.log and self.low <= 0.0:
             return [f"from {self.low:g} on a logarithmic scale: allowed is above 0"]
         return []

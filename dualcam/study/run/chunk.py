@@ -34,8 +34,7 @@ def checksum(content: bytes | memoryview) -> str:
 
 @dataclass(frozen=True)
 class Written:
-    """A file of runs that is there. `content` travels to the study where the worker does not see the
-    folder."""
+    """A file of runs that is there. Its `content` travels where the worker does not see the folder."""
 
     size: int  # bytes
     checksum: str
@@ -85,8 +84,7 @@ class Files:
         return encoded(columns | {"message": messages}, self.file_format, self._metadata)
 
     def write(self, runs: range, content: bytes | memoryview, failed: int) -> Written:
-        """The file of these runs is there; or the study gets the content. StudyError if it cannot be
-        written."""
+        """The file of these runs is there, or the study gets the content. StudyError if neither."""
         written = Written(len(content), checksum(content), failed)
         if not self.is_seen:
             return replace(written, content=bytes(content))

@@ -56,9 +56,8 @@ class Evaluator:
         self.names = list(job.names)
         self.results = list(study.readings.columns)
         self._readings, self._texts = study.readings, study.plan.texts
-        self._workers = workers_for(
-            Task(job), check(job, study.plan, study.readings.used), workers, scheduler
-        )
+        runner = check(job, study.plan, study.readings.used)
+        self._workers = workers_for(Task(job), runner, workers, scheduler)
 
     def __enter__(self) -> Evaluator:
         return self

@@ -111,8 +111,7 @@ def _finish(made: SimpleQueue[Made | None], answers: Connection) -> None:
 
 
 def _listen(orders: Connection, waiting: SimpleQueue[Order | None]) -> None:
-    """In a worker: orders are taken while it computes. Ends it where the study is over or its process
-    was killed."""
+    """In a worker: orders are taken while it computes. Ends it where the study is over."""
     with suppress(EOFError, OSError):
         while True:
             waiting.put(order := orders.recv())
@@ -223,6 +222,5 @@ def check_processes(thing: object, name: str, remedy: str) -> None:
     try:
         pickle.dumps(thing)
     except Exception as error:  # pickle has several for it
-        raise StudyError(
-            f"{name} cannot be sent to other processes: {error}: {remedy}, or use workers = 0"
-        ) from error
+        why = f"cannot be sent to other processes: {error}"
+        raise StudyError(f"{name} {why}: {remedy}, or use workers = 0") from error

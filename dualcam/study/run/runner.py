@@ -201,10 +201,8 @@ class Runner:
         for name, value in self.job.parameters.items():  # one by one: what is refused is named
             fmu._set(name, value)
         instance.allow_calls()
-        self._enter_calls = [
-            self._call(name, *arguments)
-            for name, arguments in instance.initialization_calls(self.job.scenario.tolerance)
-        ]
+        calls = instance.initialization_calls(self.job.scenario.tolerance)
+        self._enter_calls = [self._call(name, *arguments) for name, arguments in calls]
         if self._saves_state and all(call() <= OK_OR_WARNING for call in self._enter_calls):
             with suppress(FmuError):  # it says that it can, but cannot now: then without
                 self._state = fmu.save_state()
@@ -346,10 +344,8 @@ class Runner:
         if not constraints:
             return {}
         found = violating(constraints, dict(zip(names, rows.T, strict=True)), len(rows))
-        return {
-            int(place): "; ".join(violated_by(constraints, values_of(names, rows[place], self.job.texts)))
-            for place in np.flatnonzero(found)
-        }
+        values = {int(k): values_of(names, rows[k], self.job.texts) for k in np.flatnonzero(found)}
+        return {place: "; ".join(violated_by(constraints, each)) for place, each in values.items()}
 
     def _run_places(
         self, rows: Array, places: NDArray[np.intp], values: Array, messages: dict[int, str]

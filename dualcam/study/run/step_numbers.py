@@ -61,8 +61,7 @@ class StepNumbers:
         return tuple(steps), tuple(read_after)
 
     def groups(self, rows: Array) -> tuple[list[Group], dict[int, str]]:
-        """The runs of rows as of `Plan.rows` by their arrangements, and by their places those that are no
-        scenario: why."""
+        """The runs of rows by their arrangements; by their places those that are no scenario: why."""
         if self._is_linear:
             return self._linear_group(rows)
         if has_points(self.scenario, self._interpolates, self._fixed):

@@ -196,8 +196,10 @@ def groups_of_rows(
     )
     asked = _asked(scenario, starts, stop[rows])
     signature = np.column_stack([steps_made, read_after, asked])
+    different, alike = np.unique(signature, axis=0, return_inverse=True)
     groups = []
-    for line, which in _alike(signature):
+    for number, line in enumerate(different):
+        which = np.flatnonzero(np.ravel(alike) == number)
         made, members = int(line[0]), rows[which]
         after = tuple(line[1 : 1 + len(wanted)].tolist())
         asks = line[1 + len(wanted) :][:made].astype(bool)
@@ -247,15 +249,6 @@ def _asked(scenario: Scenario, starts: Array, stop: Array) -> NDArray[np.bool_]:
         np.abs(asks[np.minimum(place, len(asks) - 1)] - starts), np.abs(asks[place - 1] - starts)
     )
     return np.asarray(near <= SAME_TIME * stop[:, None])
-
-
-def _alike(signature: NDArray[np.intp]) -> list[tuple[NDArray[np.intp], NDArray[np.intp]]]:
-    """Different lines, and the places where each stands."""
-    if len(signature) == 0:
-        return []
-    different, which = np.unique(signature, axis=0, return_inverse=True)
-    which = np.ravel(which)
-    return [(line, np.flatnonzero(which == place)) for place, line in enumerate(different)]
 
 
 def _group(

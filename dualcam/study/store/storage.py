@@ -49,8 +49,7 @@ class Storage(Protocol):
 
     @property
     def checks_itself(self) -> bool:
-        """Whether damaged bytes are found where they are kept, so that nobody needs to read all files
-        again."""
+        """Whether damaged bytes are found where they are kept: nobody then reads all files again."""
 
 
 @dataclass(frozen=True)

@@ -192,8 +192,7 @@ def finished_in(storage: Storage) -> dict[str, list[Any]]:
 
 
 def is_sound(storage: Storage, name: str, recorded: list[Any], listed: dict[str, Listed]) -> bool:
-    """Whether a file of runs is as it was written. A file whose time of change is another one, such as a
-    copy, is read."""
+    """Whether a file of runs is as it was written; read only where its time of change differs."""
     size, changed = listed.get(Path(name).name, (-1, None))
     if size != recorded[0]:
         return False
