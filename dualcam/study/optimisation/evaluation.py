@@ -11,7 +11,7 @@ import numpy as np
 
 from dualcam.fmi.reals import Array
 from dualcam.study.optimisation.designs import Design, is_within, share_of
-from dualcam.study.optimisation.models import Model, open_model, own_values, plan_of
+from dualcam.study.optimisation.models import open_model, own_values, plan_of
 from dualcam.study.optimisation.task import Optimisation
 from dualcam.study.plan.plan import Plan
 from dualcam.study.plan.rows import values_of
@@ -48,7 +48,7 @@ class DesignEvaluator:
         self.task = task
         self.plan = plan_of(task)
         self._deviations, self._chance = _parts(task, self.plan)
-        self._model: Model = open_model(task, self.plan, workers, scheduler)
+        self._model = open_model(task, self.plan, workers, scheduler)
         self.limits = [
             (text, sign, limit)
             for text, (least, most) in task.constraints.items()

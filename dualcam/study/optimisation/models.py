@@ -9,7 +9,7 @@ from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import suppress
 from functools import partial
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -34,14 +34,6 @@ if TYPE_CHECKING:
 REFUSALS = (DualcamError, ArithmeticError, ValueError)  # of a function: this design is none
 
 
-class Model(Protocol):
-    """Gives results, shape (designs, results), for rows of values."""
-
-    def __call__(self, rows: Array) -> Block: ...
-
-    def close(self) -> None: ...
-
-
 def plan_of(task: Optimisation) -> Plan:
     """What a row of values is: designed values, chance, values that have a tolerance alone; then what follows
     from these. A plan of one run, for its `names`, `completed` and `texts`."""
@@ -59,7 +51,7 @@ def plan_of(task: Optimisation) -> Plan:
 
 def open_model(
     task: Optimisation, plan: Plan, workers: int = 0, scheduler: str | Client | None = None
-) -> Model:
+) -> Evaluator | FunctionModel:
     """The task's model for rows of these values. StudyError for what concerns every design."""
     if isinstance(task.model, FmuRuns):
         fixed = {name: value for name, value in task.model.parameters.items() if name not in plan.names}
