@@ -7,7 +7,6 @@ from collections.abc import Iterable, Mapping
 from decimal import Decimal
 from difflib import get_close_matches
 
-SIMILAR = 0.6  # of difflib: share of equal characters
 DIAMETERS = ("diameter", "d", "dia")
 # Words of other programs and languages for the keys of this one.
 OTHER_WORDS = {
@@ -94,7 +93,7 @@ def nearest_keys(key: str, known: Iterable[str]) -> list[str]:
     elsewhere = {name.rpartition(".")[2] for name in known}
     if close := get_close_matches(last, elsewhere, n=1, cutoff=0.75):
         return _first([name for name in known if name.rpartition(".")[2] == close[0]])
-    if close := get_close_matches(last, own, n=1, cutoff=SIMILAR):
+    if close := get_close_matches(last, own, n=1, cutoff=0.6):
         return [own[close[0]]]
     return []
 

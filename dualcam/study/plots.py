@@ -16,10 +16,10 @@ from matplotlib.collections import LineCollection
 from matplotlib.text import Text
 from numpy.typing import NDArray
 
-from dualcam.common.mistakes import StudyError
+from dualcam.common.mistakes import StudyError, refuse
 from dualcam.common.paths import whole_file
 from dualcam.fmi.fmu import Array, Fmu
-from dualcam.study.plot_keys import columns_of
+from dualcam.study.plot_keys import columns_of, problems_of_columns, problems_of_keys
 from dualcam.study.store.results import read_results
 from dualcam.study.study import Study
 
@@ -34,6 +34,9 @@ THIN = {"elinewidth": 0.8, "ecolor": "0.3"}  # of an interval
 
 def draw(studies: Sequence[tuple[Study, str | Path]], path: Path) -> None:
     """All plots of these studies, whose results are in these folders, as panels of one picture."""
+    for study, _ in studies:
+        refuse(problems_of_keys(study.plots))
+        refuse(problems_of_columns(study.plots, study.plan, study.readings))
     panels = [(study, folder, plot) for study, folder in studies for plot in study.plots]
     check_file([study for study, _ in studies], path)
     columns = min(2, len(panels))

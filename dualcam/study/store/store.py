@@ -59,8 +59,8 @@ class Store:
         chunk: int,
         file_format: str | None,
     ) -> None:
-        """Opens it, or makes it. StudyError if it holds runs of another study, if another process writes
-        there, or if it cannot be written. A study begun earlier keeps its size of chunks and its format."""
+        """Opens or makes it. StudyError if it holds another study, is in use, or cannot be written. A study
+        begun earlier keeps its size of chunks and its format."""
         self.storage = storage_at(folder)
         self.plan, self.readings = plan, readings
         self.damaged: list[str] = []  # names of files, found by `missing`
