@@ -24,7 +24,7 @@ from dualcam.scenario.formula import formula
 from dualcam.study import Deviation, FmuRuns, Optimisation, Scenario, Vary, optimise, read_optimisation
 from dualcam.study.file import schema
 from dualcam.study.optimisation.evaluation import DesignEvaluator, percentile
-from dualcam.study.optimisation.genetic import hypervolume
+from dualcam.study.optimisation.evolution import hypervolume
 from dualcam.study.optimisation.optimum import unbeaten
 from dualcam.study.optimisation.record import BATCHES, Record
 from dualcam.study.optimisation.run import facts

@@ -625,7 +625,6 @@ def test_pictures_of_what_is_constant_logarithmic_or_failed(tmp_path):
     two = study(still, PUSH, results, plots=[{"kind": "sobol", "of": results}])
     studies = [(one, tmp_path / "one"), (two, tmp_path / "two")]
     for each, folder in studies:
-        plots.check(each)
         table = each.run(folder, workers=0)
         assert not np.any(table["energy.heat_damper"] > 0.0)
     assert 0 < np.sum(read_results(tmp_path / "one")["message"] != "") < 40
@@ -664,6 +663,5 @@ def test_a_killed_command_leaves_no_processes_and_goes_on(tmp_path, signal_numbe
 )
 def test_the_examples_can_be_run(plan):
     one = read_study(plan)
-    plots.check(one)
     assert not runs_of(one, one.plan.rows(0, 2000)).messages
     assert json.dumps(one.facts())

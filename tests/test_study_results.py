@@ -13,7 +13,7 @@ from study_cases import DESIGN, FORWARD, PUSH, refused, study
 
 from dualcam import Fmu
 from dualcam.study import History, Plan, Results, Scenario, Vary, read_results
-from dualcam.study.run.results_wanted import Readings
+from dualcam.study.run.readings import Readings
 from dualcam.study.store import encoding
 
 parquet = pytest.importorskip("pyarrow.parquet", reason="pyarrow is not installed")

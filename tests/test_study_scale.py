@@ -259,7 +259,7 @@ def test_files_have_enough_runs_for_each_table(tmp_path):
 
 KEEPS = """
 import os, signal, sys
-from dualcam.study.plan.kept_files import kept_file
+from dualcam.study.plan.texts import kept_file
 assert kept_file("one.csv", b"one") == kept_file("one.csv", b"one")
 path = kept_file("two.csv", b"two")
 assert path.read_bytes() == b"two"

@@ -210,7 +210,7 @@ def link_pictures(_: Sphinx, name: str, __: str, context: dict[str, Any], ___: o
 def mend_back_links(app: Sphinx, name: str, _: str, context: dict[str, Any], __: object) -> None:
     """Let the links of a page of source code lead to the name by which the API documents the thing.
 
-    sphinx.ext.viewcode keeps one module's name per file, but a file has names of `dualcam` and of its own.
+    sphinx.ext.viewcode keeps one module's name per file, but a file has names of `dualcam` and of its room.
     """
     if name.startswith("_modules/"):
         objects = app.env.domaindata["py"]["objects"]
@@ -221,9 +221,9 @@ def back_link(link: re.Match[str], objects: Mapping[str, Any]) -> str:
     """The link with the anchor that its page has."""
     folder, page, anchor = link.groups()
     known = [full for full, entry in objects.items() if entry.docname.endswith(f"/{page}")]
-    for full in known:
-        name = full.removeprefix(page.rpartition(".")[0])  # without the room
-        if anchor not in known and full.startswith(page) and anchor.endswith(name):
+    for full in known if anchor not in known else ():
+        own = full.removeprefix(page.rpartition(".")[0])  # as .Plan.rows, whatever module has it
+        if full.startswith(page) and anchor.endswith(own):
             anchor = full
             break
     return f'href="{folder}{page}.html#{anchor}"'

@@ -76,7 +76,7 @@ def command(
 
 
 def _run(design: DesignFile, names: list[str], fmu: Path | None, quiet: bool) -> Trajectory:
-    from dualcam.design_file.sample_times import sample_times
+    from dualcam.design_file.design import sample_times
     from dualcam.simulation.run import simulate
 
     scenario = design.scenario

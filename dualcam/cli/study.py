@@ -1,6 +1,7 @@
 """`dualcam study`: many runs of an FMU by a plan."""
 
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -42,23 +43,14 @@ PLAN = """fmu = "forward"
 @click.option("--figure", type=FILE, help="Picture of all plots. Default: one per plan, beside the results.")
 @click.option("--runs-per-file", type=click.IntRange(1), help="Runs in a file of results.")
 @anyway
-def command(
-    plans: tuple[Path, ...],
-    out: str,
-    workers: int | None,
-    scheduler: str | None,
-    file_format: str | None,
-    figure: Path | None,
-    runs_per_file: int | None,
-    anyway: bool,
-) -> None:
+def command(plans: tuple[Path, ...], out: str, anyway: bool, **options: Any) -> None:  # noqa: ANN401
     """Make all runs of a plan and draw the results.
 
     An interrupted study continues: the same command makes the runs that are missing.
     """
     from rich.console import Console
 
-    from dualcam.study.command import Settings, read_all, run
+    from dualcam.study.command import read_all, run
     from dualcam.study.file.study_file import content_of
     from dualcam.study.study import Study
 
@@ -66,4 +58,4 @@ def command(
     for path, task in found.items():
         if isinstance(task, Study) and "study" in content_of(path):  # an optimisation judges its own designs
             open_design(path, anyway)
-    run(found, Settings(out, workers, scheduler, file_format, figure, runs_per_file), Console())
+    run(found, out, Console(), **options)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
+from importlib import import_module
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -38,6 +39,12 @@ class Findings:
         """StudyError with all problems at once, if there are any."""
         refuse(self.problems)
 
+    def result(self, made: Made | None) -> Made:
+        """What an attempt has made. StudyError with all problems at once, if there are any."""
+        self.refuse()
+        assert made is not None
+        return made
+
 
 @contextmanager
 def told_of(path: Path) -> Iterator[None]:
@@ -60,3 +67,11 @@ def refuse(problems: Iterable[str], where: str = "") -> None:
     if len(found) == 1:
         raise StudyError(before + found[0], found)
     raise StudyError("\n".join([f"{before}{len(found)} mistakes", *(f"  {text}" for text in found)]), found)
+
+
+def optional_module(name: str, advice: str) -> Any:  # noqa: ANN401
+    """A module of another package. StudyError with the advice if it is not installed."""
+    try:
+        return import_module(name)
+    except ImportError:
+        raise StudyError(advice) from None

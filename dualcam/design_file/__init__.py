@@ -15,10 +15,9 @@ May import common, fmi, design, scenario.
 from typing import TYPE_CHECKING
 
 from dualcam.common.moved import old_names
-from dualcam.design_file.argument import DesignSource, as_design
 from dualcam.design_file.design import DesignFile, SpringLimits
 from dualcam.design_file.findings import Finding
-from dualcam.design_file.reader import read_design
+from dualcam.design_file.reader import DesignSource, as_design, read_design
 from dualcam.design_file.schema import json_schema
 from dualcam.design_file.templates import TEMPLATES, write_template
 

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+import numpy as np
+
+from dualcam.common.arrays import Array
 from dualcam.common.groove_laws import PARAMETERS
 from dualcam.common.unit_guards import units_checked_before
 from dualcam.design_file.findings import Finding
@@ -19,6 +23,9 @@ if TYPE_CHECKING:
     from dualcam.design import Groove, HelicalSpring, Limits, Mechanism, Pin, Roller
     from dualcam.design.load_law import LoadLaw
     from dualcam.scenario.scenario import Scenario
+
+DEFAULT_SAMPLES = 1000  # where the scenario gives no output interval
+MOST_SAMPLES = 2_000_000
 
 
 class SpringLimits(NamedTuple):
@@ -211,3 +218,18 @@ class DesignFile:
 
 
 SPRING_TERMS = ("preload", "stiffness", "stiffness2", "stiffness3")
+
+
+def sample_times(stop: float, interval: float | None) -> Array:
+    """Times [s] of the samples: multiples of the output interval, and the end. DesignError for an interval
+    that is not above 0, or gives too many samples."""
+    interval = stop / DEFAULT_SAMPLES if interval is None else interval
+    if not (math.isfinite(interval) and interval > 0.0):
+        raise DesignError(f"scenario.output_interval = {interval} s: allowed is a finite number above 0")
+    if stop / interval > MOST_SAMPLES:
+        raise DesignError(
+            f"scenario.output_interval = {interval:g} s gives {stop / interval:.3g} samples: allowed are up"
+            f" to {MOST_SAMPLES:,}, from {stop / MOST_SAMPLES:.3g} s on"
+        )
+    count = math.ceil(stop / interval * (1.0 - 1e-12))
+    return np.minimum(np.arange(count + 1) * interval, stop)

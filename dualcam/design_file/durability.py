@@ -1,8 +1,4 @@
-"""Does a design last: the stresses, the wear and the fatigue that follow from the tables of a design file.
-
-The formulas are those of dualcam.design. Here they get the values of one design; the check and the report
-show the results.
-"""
+"""Does a design last: stresses, wear and fatigue of a design file, by the formulas of dualcam.design."""
 
 from __future__ import annotations
 
@@ -21,83 +17,39 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class SpringNumbers:
-    """Stresses of the helical spring between preload and full stroke.
+    """Forces and stresses of the helical spring at preload and at full stroke."""
 
-    Attributes
-    ----------
-    least, largest : float
-        Forces [N].
-    rate : float
-        Rate of the wire and coil [N/m].
-    lower, upper : float
-        Corrected shear stress at both forces [Pa].
-    safety : float
-        Goodman safety [1].
-    static_safety : float
-        Allowed over largest uncorrected shear stress [1].
-    limit : float
-        Least Goodman safety that is allowed [1].
-    has_length : bool
-        Whether the design gives the free length, without which neither length nor buckling is checked.
-    """
-
-    least: float
-    largest: float
-    rate: float
-    lower: float
-    upper: float
-    safety: float
-    static_safety: float
-    limit: float
-    has_length: bool
+    least: float  # N
+    largest: float  # N
+    rate: float  # of wire and coil, N/m
+    lower: float  # corrected shear stress at the least force, Pa
+    upper: float  # corrected shear stress at the largest force, Pa
+    safety: float  # of Goodman
+    static_safety: float  # allowed over largest uncorrected shear stress
+    limit: float  # least safety of Goodman that is allowed
+    has_length: bool  # whether the free length is given: else neither length nor buckling is checked
 
 
 @dataclass(frozen=True)
 class RollerNumbers:
-    """The roller.
-
-    Attributes
-    ----------
-    rolls : bool
-        Whether the roller rolls.
-    friction : float
-        Coefficient of friction in effect [1].
-    rolling_friction, sliding_friction : float
-        That of rolling and that of sliding [1].
-    """
+    """Whether the roller rolls, and its coefficients of friction."""
 
     rolls: bool
-    friction: float
+    friction: float  # in effect
     rolling_friction: float
     sliding_friction: float
 
 
 @dataclass(frozen=True)
 class WearNumbers:
-    """Wear up to the allowed depth.
+    """Wear up to the allowed depth."""
 
-    Attributes
-    ----------
-    depth : float
-        Allowed depth of wear [m].
-    part : str
-        The part that first has this depth: groove 1, groove 2 or pin.
-    cycles : float
-        Slow cycles until then.
-    preload_loss : float or None
-        Preload that the spring has then lost [N]; None if the mechanism does not work any more.
-    load_loss : float or None
-        Largest share of the torque to load that is then lost [1].
-    rolls : bool
-        Whether a roller rolls, so that the wear rates must be those of a rolling contact.
-    """
-
-    depth: float
-    part: str
-    cycles: float
-    preload_loss: float | None
-    load_loss: float | None
-    rolls: bool
+    depth: float  # that is allowed, m
+    part: str  # that first has this depth: groove 1, groove 2 or pin
+    cycles: float  # slow ones, until then
+    preload_loss: float | None  # of the spring then, N; None if the mechanism does not work any more
+    load_loss: float | None  # largest share of the torque to load that is then lost
+    rolls: bool  # whether a roller rolls, so that the wear rates must be those of a rolling contact
 
 
 def spring_forces(mechanism: Mechanism) -> tuple[float, float]:

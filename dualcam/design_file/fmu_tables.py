@@ -16,27 +16,22 @@ from dualcam.errors import DesignError
 
 
 def fmu_groove(path: Path) -> tuple[GrooveFile, Path]:
-    """The samples of a groove table, and a file of them that the FMU reads.
-
-    DesignError for a file that cannot be understood or written."""
+    """The samples of a groove table, and a file of them that the FMU reads."""
     groove = read_groove(path)
-    is_ready = groove.is_fmu_format
-    return groove, path if is_ready else _written(path, fmu_text(GROOVE_HEADER, groove.psi, groove.z))
+    if groove.is_fmu_format:
+        return groove, path
+    return groove, _written(path, fmu_text(GROOVE_HEADER, groove.psi, groove.z))
 
 
 def fmu_friction(path: Path) -> tuple[FrictionTable, Path]:
-    """A friction table, and a file of it that the FMU reads.
-
-    DesignError for a file that cannot be understood or written."""
+    """A friction table, and a file of it that the FMU reads."""
     table = read_friction_table(path)
     return table, path if table.is_fmu_format else _written(path, table.fmu_text())
 
 
 def _written(path: Path, text: str) -> Path:
-    """A file of the text, which stands for the table at `path` in another format.
-
-    The table stays as it is. The file is in the user's cache folder, under a name that follows from the text.
-    Where that folder cannot be written, a temporary folder takes its place."""
+    """A file of the text, which stands for the table at `path`, in the user's cache folder or in a temporary
+    one."""
     digest = hashlib.sha256(text.encode()).hexdigest()[:16]
     stem = re.sub(r"[^A-Za-z0-9_-]", "_", path.stem)[:40]
     return _cached(f"{stem}-{digest}.csv", text)

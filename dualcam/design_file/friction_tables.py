@@ -52,22 +52,12 @@ class FrictionSample(NamedTuple):
 
 @dataclass(frozen=True)
 class FrictionTable:
-    """A friction table, and how its file was understood.
+    """A friction table, and how its file was understood."""
 
-    Attributes
-    ----------
-    by_load : list of list of FrictionSample
-        For each load, from the least one, the samples over the speed; one list where the table has no loads.
-    notes, warnings : tuple of str
-        What was guessed, and numbers that look as if they were in another unit.
-    is_fmu_format : bool
-        Whether the FMU can read the file as it is.
-    """
-
-    by_load: list[list[FrictionSample]]
-    notes: tuple[str, ...]
-    warnings: tuple[str, ...]
-    is_fmu_format: bool
+    by_load: list[list[FrictionSample]]  # from the least load, over the speed; one where there are no loads
+    notes: tuple[str, ...]  # what was guessed
+    warnings: tuple[str, ...]  # numbers that look as if they were in another unit
+    is_fmu_format: bool  # whether the FMU can read the file as it is
 
     @property
     def static_samples(self) -> tuple[list[float], list[float]]:
@@ -133,9 +123,8 @@ def _check_load(sample: FrictionSample, by_load: list[list[FrictionSample]], num
             " static coefficient"
         )
     if by_load and not sample.load > by_load[-1][-1].load:
-        raise DesignError(
-            f"line {number}: R = {sample.load:g} N must be > {by_load[-1][-1].load:g}, the load before"
-        )
+        before = by_load[-1][-1].load
+        raise DesignError(f"line {number}: R = {sample.load:g} N must be > {before:g}, the load before")
     if len(by_load) == MOST_LOADS:
         raise DesignError(f"line {number}: too many loads, allowed are up to {MOST_LOADS}")
 
@@ -148,9 +137,8 @@ def _check_speed(sample: FrictionSample, by_load: list[list[FrictionSample]], nu
             " has all speeds"
         )
     if not sample.speed > before.speed:
-        raise DesignError(
-            f"line {number}: v = {sample.speed:g} m/s must be > {before.speed:g}, that of the line before"
-        )
+        must = f"must be > {before.speed:g}, that of the line before"
+        raise DesignError(f"line {number}: v = {sample.speed:g} m/s {must}")
 
 
 def _check_whole(by_load: list[list[FrictionSample]], has_loads: bool) -> None:

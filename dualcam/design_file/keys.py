@@ -7,7 +7,6 @@ from collections.abc import Iterable, Mapping
 from decimal import Decimal
 from difflib import get_close_matches
 
-SIMILAR = 0.6  # of difflib: share of equal characters
 DIAMETERS = ("diameter", "d", "dia")
 # Words of other programs and languages for the keys of this one.
 OTHER_WORDS = {
@@ -49,9 +48,7 @@ OTHER_WORDS = {
 
 
 def unknown_key(key: str, known: Mapping[str, str], value: object = None) -> str:
-    """A sentence about an unknown key: the nearest names, also in other tables.
-
-    `key` is dotted; `known` has all keys; `value` is what the file gives."""
+    """A sentence about an unknown key, dotted, with a value: the nearest names, also in other tables."""
     table, _, last = key.rpartition(".")
     if last.lower() in DIAMETERS and f"{table}.radius" in known:
         half = _half(value)
@@ -83,13 +80,11 @@ def nearest_keys(key: str, known: Iterable[str]) -> list[str]:
     table, _, last = key.rpartition(".")
     last = last.lower()
     own = {name.rpartition(".")[2]: name for name in known if name.rpartition(".")[0] == table}
-    meant = OTHER_WORDS.get(last)
-    if meant in own:
+    if (meant := OTHER_WORDS.get(last)) in own:
         return [own[meant]]
     if close := get_close_matches(last, own, n=1, cutoff=0.7):
         return [own[close[0]]]
-    same = [name for name in known if name.rpartition(".")[2] == last]
-    if same:
+    if same := [name for name in known if name.rpartition(".")[2] == last]:
         return _first(same)
     if meant and not table:
         return _first([name for name in known if name.rpartition(".")[2] == meant])
@@ -98,7 +93,7 @@ def nearest_keys(key: str, known: Iterable[str]) -> list[str]:
     elsewhere = {name.rpartition(".")[2] for name in known}
     if close := get_close_matches(last, elsewhere, n=1, cutoff=0.75):
         return _first([name for name in known if name.rpartition(".")[2] == close[0]])
-    if close := get_close_matches(last, own, n=1, cutoff=SIMILAR):
+    if close := get_close_matches(last, own, n=1, cutoff=0.6):
         return [own[close[0]]]
     return []
 

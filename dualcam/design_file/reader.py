@@ -3,25 +3,28 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping, Sequence
+import warnings
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 from dualcam.common.groove_laws import TABLE
 from dualcam.common.paths import path_of
 from dualcam.common.unit_guards import table_warnings, unit_warning, units_checked_before
-from dualcam.design_file.design import DesignFile, SpringLimits
+from dualcam.design_file.design import DesignFile, SpringLimits, sample_times
 from dualcam.design_file.findings import ERROR, WARNING, Finding
 from dualcam.design_file.fmu_tables import fmu_friction, fmu_groove
 from dualcam.design_file.friction_tables import ANALYTIC_FRICTION
 from dualcam.design_file.keys import unknown_key
-from dualcam.design_file.sample_times import sample_times
-from dualcam.design_file.sections import check_section
 from dualcam.design_file.toml_text import line_of, lines_of_keys, parse, read_text
-from dualcam.errors import DesignFileError, DualcamError
+from dualcam.errors import DesignError, DesignFileError, DualcamError, DualcamWarning
 from dualcam.fmi.variables import all_parameters, inputs_of
 
+STUDY = "dualcam.study.section"  # checks the section [study]: a room above, loaded for such a file alone
 ANY_INPUT = ("F_ext",)  # inputs of both models
+
+DesignSource = DesignFile | str | Path
 
 
 def read_design(path: str | Path) -> DesignFile:
@@ -62,6 +65,55 @@ def read_design(path: str | Path) -> DesignFile:
     return design
 
 
+def as_design(design: DesignSource, shows_findings: bool = False) -> DesignFile:
+    """The design of an argument.
+
+    Parameters
+    ----------
+    design : DesignFile, str or Path
+        A design from `read_design`, or the path of a design file.
+    shows_findings : bool
+        Whether the result of the caller has the warnings of the design. Else the warnings of a file that is
+        read here become Python warnings.
+
+    Returns
+    -------
+    DesignFile
+        `design` itself, or the design of the file.
+
+    Raises
+    ------
+    DesignError
+        `design` is something else.
+    DesignFileError
+        The file is refused.
+
+    Warns
+    -----
+    DualcamWarning
+        For each warning about a file that is read here.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from dualcam.design_file import write_template
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     as_design(write_template("minimal", Path(folder) / "my.toml")).name
+    'my'
+    """
+    if isinstance(design, DesignFile):
+        return design
+    if not isinstance(design, str | Path):
+        raise DesignError(
+            f"design {design!r}: allowed is a design from read_design, or the path of a design file"
+            " (str or Path)"
+        )
+    read = read_design(design)
+    for finding in () if shows_findings else read.warnings:
+        warnings.warn(f"{read.path}: {finding}", DualcamWarning, stacklevel=3)
+    return read
+
+
 class _Reading:
     """One reading of a file, with the errors and warnings so far."""
 
@@ -98,6 +150,8 @@ class _Reading:
 
     def design(self, content: dict[str, Any]) -> DesignFile:
         """The design, without the keys that are refused."""
+        from dualcam.design import Limits
+
         values = self._validated(content)
         parameters = self._parameters(values)
         spring_limits = self._spring_limits(values.get("spring", {}))
@@ -110,13 +164,15 @@ class _Reading:
             scenario = self.attempt("scenario", lambda: _scenario(scenario_table, model))
             interval = scenario_table.get("output_interval")
         if scenario is not None:
-            self._check_output_interval(scenario.stop, interval)
+            try:
+                sample_times(scenario.stop, interval)
+            except DualcamError as error:
+                self.refuse("scenario.output_interval", interval, str(error))
         pin = self._pin(values["pin"]) if "pin" in values and not self._is_refused("pin") else None
         roller = self._roller(values["roller"], pin) if "roller" in values else None
-        helical_spring = (
-            self._helical_spring(values["helical_spring"]) if "helical_spring" in values else None
-        )
-        limits = self.attempt("limits", lambda: _limits(values["limits"])) if "limits" in values else None
+        wire = values.get("helical_spring")
+        helical_spring = None if wire is None else self._helical_spring(wire)
+        limits = self.attempt("limits", lambda: Limits(**values["limits"])) if "limits" in values else None
         design = DesignFile(
             path=self.path,
             parameters=parameters,
@@ -136,7 +192,7 @@ class _Reading:
             lines=self.lines,
         )
         if design.study is not None:
-            self.attempt("study", lambda: check_section("study", design))
+            self.attempt("study", lambda: import_module(STUDY).check_section(design))
         return design
 
     def _is_refused(self, prefix: str) -> bool:
@@ -161,8 +217,7 @@ class _Reading:
         from dualcam.design_file.schema import known_keys
 
         key, value = ".".join(map(str, problem["loc"])), problem["input"]
-        shown = _shown(value)
-        kind = problem["type"]
+        shown, kind = _shown(value), problem["type"]
         if kind == "extra_forbidden":
             text = unknown_key(key, known_keys(), value)
             if key == "scenario.controller":
@@ -210,11 +265,8 @@ class _Reading:
             self.refuse(f"spring.{given}", spring[given], text)
             return None
         if not 0.0 <= solid < free:
-            self.refuse(
-                "spring.solid_length",
-                solid,
-                f"spring.solid_length = {solid:g} m: allowed is less than spring.free_length = {free:g} m",
-            )
+            text = f"spring.solid_length = {solid:g} m: allowed is less than spring.free_length = {free:g} m"
+            self.refuse("spring.solid_length", solid, text)
             return None
         return SpringLimits(free, solid)
 
@@ -254,36 +306,40 @@ class _Reading:
             if parameters.get(f"{cam}.friction_table") and not self._is_refused(f"{cam}.friction_table"):
                 self._read_friction_table(parameters, cam)
 
-    def _read_table(self, parameters: dict[str, Any], cam: str) -> None:
-        name = f"{cam}.table"
+    def _replace_path(
+        self,
+        parameters: dict[str, Any],
+        name: str,
+        read: Callable[[Path], tuple[Any, Path]],
+        warnings_of: Callable[[Any], Iterable[str]],
+    ) -> bool:
+        """Whether the table of a parameter can be read."""
         written = parameters[name]
-        path = (self.path.parent / written).absolute()
         try:
-            groove, readable = fmu_groove(path)
+            table, readable = read((self.path.parent / written).absolute())
         except (DualcamError, OSError, ValueError) as error:
             self.refuse(name, written, f"{name} = {written!r}: {error}")
-            return
-        parameters[name] = str(readable)
-        if groove.notes:
-            self.notes.append(f"{name} = {written!r} was read so: {', '.join(groove.notes)}")
-        radius = parameters.get(f"{cam}.radius", all_parameters()[f"{cam}.radius"].start)
-        for text in table_warnings(groove.psi, groove.z, radius):
-            self.warn(name, written, f"{name} = {written!r}: {text}", "unit")
-
-    def _read_friction_table(self, parameters: dict[str, Any], cam: str) -> None:
-        name = f"{cam}.friction_table"
-        written = parameters[name]
-        path = (self.path.parent / written).absolute()
-        try:
-            table, readable = fmu_friction(path)
-        except (DualcamError, OSError, ValueError) as error:
-            self.refuse(name, written, f"{name} = {written!r}: {error}")
-            return
+            return False
         parameters[name] = str(readable)
         if table.notes:
             self.notes.append(f"{name} = {written!r} was read so: {', '.join(table.notes)}")
-        for text in table.warnings:
+        for text in warnings_of(table):
             self.warn(name, written, f"{name} = {written!r}: {text}", "unit")
+        return True
+
+    def _read_table(self, parameters: dict[str, Any], cam: str) -> None:
+        radius = parameters.get(f"{cam}.radius", all_parameters()[f"{cam}.radius"].start)
+        self._replace_path(
+            parameters,
+            f"{cam}.table",
+            fmu_groove,
+            lambda groove: table_warnings(groove.psi, groove.z, radius),
+        )
+
+    def _read_friction_table(self, parameters: dict[str, Any], cam: str) -> None:
+        name = f"{cam}.friction_table"
+        if not self._replace_path(parameters, name, fmu_friction, lambda table: table.warnings):
+            return
         for key in ANALYTIC_FRICTION:
             if f"{cam}.{key}" in parameters:
                 text = f"{cam}.{key} is not used with {name}, which gives the friction coefficient itself"
@@ -297,26 +353,16 @@ class _Reading:
         by_model = {model: [n for n in inputs if n in inputs_of(model)] for model in ("forward", "inverse")}
         if by_model["forward"] and by_model["inverse"]:
             given = " and ".join([by_model["forward"][0], by_model["inverse"][0]])
-            self.refuse(
-                "scenario.inputs",
-                None,
-                f"[scenario] has {given}: allowed is tau (the torque is given, the motion is found), or theta"
-                " (the motion is given, the torque is found)",
+            allowed = (
+                "allowed is tau (the torque is given, the motion is found), or theta (the motion is given,"
+                " the torque is found)"
             )
+            self.refuse("scenario.inputs", None, f"[scenario] has {given}: {allowed}")
         if by_model["inverse"] and "theta" not in by_model["inverse"]:
-            self.refuse(
-                "scenario.inputs",
-                None,
-                f"[scenario] has {by_model['inverse'][0]} without theta: allowed is theta over time;"
-                " omega and alpha then follow from theta",
-            )
+            found = f"[scenario] has {by_model['inverse'][0]} without theta"
+            allowed = "allowed is theta over time; omega and alpha then follow from theta"
+            self.refuse("scenario.inputs", None, f"{found}: {allowed}")
         return "inverse" if by_model["inverse"] else "forward"
-
-    def _check_output_interval(self, stop: float, interval: float | None) -> None:
-        try:
-            sample_times(stop, interval)
-        except DualcamError as error:
-            self.refuse("scenario.output_interval", interval, str(error))
 
     def _pin(self, table: Mapping[str, Any]) -> Any:  # noqa: ANN401
         from dualcam.design import Pin
@@ -360,7 +406,6 @@ class _Reading:
 
 def _scenario(table: Mapping[str, Any], model: str) -> Any:  # noqa: ANN401
     """The Scenario of a validated table; omega and alpha follow from theta where they are not given."""
-    from dualcam.errors import DesignError
     from dualcam.scenario.scenario import History, Scenario
 
     if "stop" not in table:
@@ -370,12 +415,6 @@ def _scenario(table: Mapping[str, Any], model: str) -> Any:  # noqa: ANN401
         for name, of in (("omega", "theta"), ("alpha", "omega")):
             inputs.setdefault(name, History(derivative_of=of))
     return Scenario(table["stop"], inputs, table.get("step"), table.get("tolerance"))
-
-
-def _limits(table: Mapping[str, Any]) -> Any:  # noqa: ANN401
-    from dualcam.design import Limits
-
-    return Limits(**table)
 
 
 # ---- values ----

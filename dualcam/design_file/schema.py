@@ -8,14 +8,7 @@ from collections.abc import Mapping, Sequence
 from functools import cache
 from typing import Annotated, Any
 
-from pydantic import (
-    AfterValidator,
-    BaseModel,
-    BeforeValidator,
-    Field,
-    WithJsonSchema,
-    create_model,
-)
+from pydantic import AfterValidator, BaseModel, BeforeValidator, Field, WithJsonSchema, create_model
 from pydantic_core import PydanticCustomError
 
 from dualcam.common import groove_laws
@@ -26,11 +19,10 @@ from dualcam.errors import DesignError
 from dualcam.fmi.variables import SettableVariable, all_inputs, all_parameters
 
 SHAPES = ("linear", "smooth")
-INFINITE = math.inf
 
 
 def _entry(
-    name: str, unit: str, description: str, least: float = -INFINITE, greatest: float = INFINITE
+    name: str, unit: str, description: str, least: float = -math.inf, greatest: float = math.inf
 ) -> SettableVariable:
     return SettableVariable(name, float, "parameter", unit, least, greatest, 0.0, description)
 
@@ -89,20 +81,23 @@ TIMES = (
 # ---- kinds of values ----
 
 
+def _refused(text: str) -> PydanticCustomError:
+    return PydanticCustomError("value", "{text}", {"text": text})
+
+
 def to_number(value: object, variable: SettableVariable) -> float:
     """A number, or a text with a unit, in the unit of the variable. Raises what pydantic collects."""
     if isinstance(value, bool) or not isinstance(value, int | float | str):
-        raise PydanticCustomError("value", "{text}", {"text": f"allowed is {variable.allowed()}"})
+        raise _refused(f"allowed is {variable.allowed()}")
     try:
         number = quantity(value, variable.unit) if isinstance(value, str) else float(value)
     except DesignError as error:
-        raise PydanticCustomError("value", "{text}", {"text": str(error)}) from None
+        raise _refused(str(error)) from None
     except OverflowError:
-        number = INFINITE
+        number = math.inf
     if not (math.isfinite(number) and variable.least <= number <= variable.greatest):
-        raise PydanticCustomError(
-            "range", "{text}", {"text": f"allowed is {variable.allowed()}", "number": number}
-        )
+        words = {"text": f"allowed is {variable.allowed()}", "number": number}
+        raise PydanticCustomError("range", "{text}", words)
     return number
 
 
@@ -116,9 +111,9 @@ def _whole(value: object, variable: SettableVariable) -> int:
     if type(number) is int and variable.least <= number <= variable.greatest and not is_between:
         return number
     if variable.name.endswith(".ellipse_curvature"):
-        raise PydanticCustomError("value", "allowed is -1 (the groove flattens) or +1 (the groove steepens)")
+        raise _refused("allowed is -1 (the groove flattens) or +1 (the groove steepens)")
     words = f" ({groove_laws.ALLOWED})" if variable.name.endswith(".profile") else ""
-    raise PydanticCustomError("value", "{text}", {"text": f"allowed is {variable.allowed()}{words}"})
+    raise _refused(f"allowed is {variable.allowed()}{words}")
 
 
 def _number_schema(variable: SettableVariable) -> dict[str, Any]:
@@ -152,20 +147,17 @@ def _type_of(variable: SettableVariable) -> Any:  # noqa: ANN401
 
 def _field(variable: SettableVariable, default: float | None = None) -> Any:  # noqa: ANN401
     unit = f" [{variable.unit}]" if variable.unit not in ("1", "") else ""
-    return (
-        _type_of(variable),
-        Field(default=None, description=variable.description + unit, json_schema_extra=_default(default)),
-    )
+    return _key(_type_of(variable), variable.description + unit, default)
 
 
-def _default(value: object) -> dict[str, Any] | None:
-    """What editors show as the value of a key that is left out."""
-    return None if value is None else {"default": value}
+def _key(kind: Any, description: str, default: object = None, **extra: Any) -> Any:  # noqa: ANN401
+    """The type and the field of a key; `default` is what editors show where the key is left out."""
+    extra |= {} if default is None else {"default": default}
+    return kind, Field(default=None, description=description, json_schema_extra=extra or None)
 
 
 def _table(name: str, description: str, fields: Mapping[str, Any]) -> Any:  # noqa: ANN401
-    model = create_model(name, __base__=TomlTable, __doc__=description, **fields)
-    return (model, Field(default=None, description=description))
+    return _key(create_model(name, __base__=TomlTable, __doc__=description, **fields), description)
 
 
 def _words(also: str) -> Any:  # noqa: ANN401
@@ -174,10 +166,9 @@ def _words(also: str) -> Any:  # noqa: ANN401
     def refuse_control_characters(text: str) -> str:
         if all(character.isprintable() or character in also or character == " " for character in text):
             return text
-        raise PydanticCustomError(
-            "value",
+        raise _refused(
             "allowed is text without control characters. In double quotes a backslash begins one: write a"
-            " path in single quotes, 'D:\\bench\\front'",
+            " path in single quotes, 'D:\\bench\\front'"
         )
 
     return Annotated[str, AfterValidator(refuse_control_characters)]
@@ -196,7 +187,7 @@ def _history_type(variable: SettableVariable) -> Any:  # noqa: ANN401
         found = {**value}
         unit = found.pop("unit", None)
         if not (unit is None or isinstance(unit, str)):
-            raise PydanticCustomError("value", "{text}", {"text": "unit: allowed is text in quotes"})
+            raise _refused("unit: allowed is text in quotes")
         for name, kind in (("time", instant), ("value", variable)):
             if name in found:
                 found[name] = _numbers(name, found[name], kind, unit if name == "value" else None)
@@ -227,7 +218,7 @@ def _history_type(variable: SettableVariable) -> Any:  # noqa: ANN401
 
 def _numbers(name: str, values: object, variable: SettableVariable, unit: str | None) -> tuple[float, ...]:
     if not isinstance(values, list):
-        raise PydanticCustomError("value", "{text}", {"text": f"{name}: allowed is a list of numbers"})
+        raise _refused(f"{name}: allowed is a list of numbers")
     found = []
     for place, value in enumerate(values, 1):
         plain = isinstance(value, int | float) and not isinstance(value, bool)
@@ -237,14 +228,14 @@ def _numbers(name: str, values: object, variable: SettableVariable, unit: str | 
             hint = unit_warning(f"limits.{variable.name}", value) or ""
             text = f"{name}, number {place} of {len(values)}, {value!r}: {error.message()}"
             text += f"; {hint.partition(': ')[2]}" if hint else ""
-            raise PydanticCustomError("value", "{text}", {"text": text}) from None
+            raise _refused(text) from None
     return tuple(found)
 
 
 def _range_type(variable: SettableVariable) -> Any:  # noqa: ANN401
     def convert(value: object) -> tuple[float, ...]:
         if not isinstance(value, list) or len(value) != 2:
-            raise PydanticCustomError("value", "{text}", {"text": "allowed are two numbers: [low, high]"})
+            raise _refused("allowed are two numbers: [low, high]")
         return _numbers(variable.name, value, variable, None)
 
     pair = {"type": "array", "items": _number_schema(variable), "minItems": 2, "maxItems": 2}
@@ -253,10 +244,7 @@ def _range_type(variable: SettableVariable) -> Any:  # noqa: ANN401
 
 def _scenario_fields() -> dict[str, Any]:
     inputs = {
-        name: (
-            _history_type(variable),
-            Field(default=None, description=f"{variable.description} [{variable.unit}]"),
-        )
+        name: _key(_history_type(variable), f"{variable.description} [{variable.unit}]")
         for name, variable in all_inputs().items()
     }
     fields = {entry.name: _field(entry) for entry in TIMES}
@@ -282,36 +270,25 @@ def _defaulted(table: str, entries: Sequence[SettableVariable]) -> dict[str, Any
     return {entry.name: _field(entry, defaults().get(f"{table}.{entry.name}")) for entry in entries}
 
 
-def _flag(description: str, default: bool) -> Any:  # noqa: ANN401
-    return bool, Field(default=None, description=description, json_schema_extra=_default(default))
-
-
 def _helical_spring_fields() -> dict[str, Any]:
     from dualcam.design.spring_steel import STRENGTHS
 
-    grade = Field(
-        default=None,
-        description="Grade of the wire by EN 10270-1: SL, SM, DM, SH or DH",
-        json_schema_extra={"enum": list(STRENGTHS)},
-    )
+    grade = "Grade of the wire by EN 10270-1: SL, SM, DM, SH or DH"
     more = {
-        "grade": (str, grade),
-        "shot_peened": _flag("Whether the spring is shot-peened", False),
-        "guided": _flag("Whether a rod or a sleeve guides the spring: then it cannot buckle", False),
+        "grade": _key(str, grade, enum=list(STRENGTHS)),
+        "shot_peened": _key(bool, "Whether the spring is shot-peened", False),
+        "guided": _key(bool, "Whether a rod or a sleeve guides the spring: then it cannot buckle", False),
     }
     return _defaulted("helical_spring", HELICAL_SPRING) | more
 
 
 def _limit_fields() -> dict[str, Any]:
     given = defaults()
-    lead = _default(list(given["limits.lead_angle"]))
+    lead, words = list(given["limits.lead_angle"]), "Least and greatest lead angle [rad]"
     return {
-        "lead_angle": (
-            _range_type(LEAD_ANGLE),
-            Field(default=None, description="Least and greatest lead angle [rad]", json_schema_extra=lead),
-        ),
+        "lead_angle": _key(_range_type(LEAD_ANGLE), words, lead),
         "pressure": _field(PRESSURE, given["limits.pressure"]),
-        "self_locking": _flag("Whether a contact may lock itself", given["limits.self_locking"]),
+        "self_locking": _key(bool, "Whether a contact may lock itself", given["limits.self_locking"]),
         **_defaulted("limits", LIMITS),
     }
 
@@ -333,8 +310,8 @@ def design_model() -> type[BaseModel]:
     """The pydantic model of a whole design file."""
     groups: dict[str, dict[str, Any]] = {}
     top: dict[str, Any] = {
-        "title": (_words(""), Field(default=None, description="A title, for reports")),
-        "description": (_words("\n\r\t"), Field(default=None, description="What the design is for")),
+        "title": _key(_words(""), "A title, for reports"),
+        "description": _key(_words("\n\r\t"), "What the design is for"),
     }
     for name, variable in all_parameters().items():
         group, _, rest = name.rpartition(".")
@@ -346,22 +323,14 @@ def design_model() -> type[BaseModel]:
     for group, fields in groups.items():
         top[group] = _table(group.capitalize(), GROUPS.get(group, group), fields)
     top["scenario"] = _table("Scenario", "What is simulated", _scenario_fields())
-    top["pin"] = _table(
-        "Pin",
-        "The pin, or a roller on the pin: what runs in the groove, and its material",
-        _defaulted("pin", PIN),
-    )
-    top["roller"] = _table(
-        "Roller", "Bearing of a roller with the radius of [pin]", _defaulted("roller", ROLLER)
-    )
-    top["helical_spring"] = _table(
-        "HelicalSpring", "Wire and coil of the spring, for stress and fatigue", _helical_spring_fields()
-    )
+    pin = "The pin, or a roller on the pin: what runs in the groove, and its material"
+    top["pin"] = _table("Pin", pin, _defaulted("pin", PIN))
+    bearing = "Bearing of a roller with the radius of [pin]"
+    top["roller"] = _table("Roller", bearing, _defaulted("roller", ROLLER))
+    wire = "Wire and coil of the spring, for stress and fatigue"
+    top["helical_spring"] = _table("HelicalSpring", wire, _helical_spring_fields())
     top["limits"] = _table("Limits", "What `dualcam check` allows", _limit_fields())
-    top["study"] = (
-        dict[str, Any],
-        Field(default=None, description="A parameter study: plan, results, plots"),
-    )
+    top["study"] = _key(dict[str, Any], "A parameter study: plan, results, plots")
     return create_model("DesignFile", __base__=TomlTable, __doc__="A design of the dual cam", **top)
 
 
@@ -379,12 +348,9 @@ def known_keys() -> dict[str, str]:
         for name, field in model.model_fields.items():
             key = f"{prefix}{name}"
             found[key] = field.description or ""
-            kind = field.annotation
-            if (
-                isinstance(kind, type)
-                and issubclass(kind, TomlTable)
-                and not kind.__name__.startswith("History_")
-            ):
+            kind: Any = field.annotation
+            is_table = isinstance(kind, type) and issubclass(kind, TomlTable)
+            if is_table and not kind.__name__.startswith("History_"):
                 add(f"{key}.", kind)
 
     add("", design_model())

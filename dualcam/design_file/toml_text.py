@@ -63,10 +63,8 @@ def read_text(path: Path) -> str:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = content.count(b"\n", 0, error.start) + 1
-        finding = Finding(
-            ERROR, "", None, 'the text is not UTF-8: save the file as "UTF-8" in the editor', line=line
-        )
-        raise DesignFileError(path, [finding]) from None
+        words = 'the text is not UTF-8: save the file as "UTF-8" in the editor'
+        raise DesignFileError(path, [Finding(ERROR, "", None, words, line=line)]) from None
 
 
 def _similar(path: Path) -> str:
@@ -116,12 +114,10 @@ def _syntax_finding(message: str, text: str) -> Finding:
     shown = f" in {written[:60]!r}" if written else ""
     cause = next((words for pattern, words in CAUSES if re.search(pattern, written)), "")
     if "overwrite" in reason.lower() or "twice" in reason:
-        table = HEADER.match(written)
         cause = "the same key or table twice? Keep one of them"
-        if table:
-            cause = (
-                f"the table [{table[1]}] twice? Put all its lines below one [{table[1]}], and no key twice"
-            )
+        if table := HEADER.match(written):
+            name = f"[{table[1]}]"
+            cause = f"the table {name} twice? Put all its lines below one {name}, and no key twice"
     hint = f". {cause[0].upper()}{cause[1:]}" if cause else ""
     return Finding(ERROR, "", None, f"this is no TOML: {reason}{shown}{hint}", line=number)
 

@@ -9,7 +9,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from dualcam.design_file.argument import DesignSource, as_design
+from dualcam.design_file.reader import DesignSource, as_design
 from dualcam.errors import MujocoError
 from dualcam.fleet.values import FleetValue
 from dualcam.systems.blocks.axis import CamGear

@@ -13,15 +13,7 @@ import numpy as np
 
 from dualcam.common.entries import hint, repeated
 from dualcam.common.mistakes import StudyError, refuse
-from dualcam.scenario.history import (
-    ORDER,
-    STEPS_MAX,
-    History,
-    Number,
-    names_in,
-    number_at,
-    problem_of_number,
-)
+from dualcam.scenario.history import ORDER, STEPS_MAX, History, Number, names_in, number_at, problem_of_number
 
 SAME_TIME = 1e-12  # instants closer than this share of the whole are one
 

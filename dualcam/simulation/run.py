@@ -299,7 +299,7 @@ def _run(
     progress: Callable[[float], None] | None,
 ) -> Trajectory:
     """The steps of the scenario, and the samples."""
-    from dualcam.design_file.sample_times import sample_times
+    from dualcam.design_file.design import sample_times
 
     scenario = case.scenario
     times = sample_times(scenario.stop, interval)

@@ -65,15 +65,9 @@ __all__ = [
 ]
 
 # Loaded at the first use: a process that only computes runs does without them and without pydantic.
-_MODULE_OF = {
-    "Deviation": "optimisation",
-    "FmuRuns": "optimisation",
-    "Optimisation": "optimisation",
-    "Optimum": "optimisation",
-    "optimise": "optimisation",
-    "read_optimisation": "optimisation",
-    "read_study": "file.study_file",
-}
+_MODULE_OF = dict.fromkeys(
+    ("Deviation", "FmuRuns", "Optimisation", "Optimum", "optimise", "read_optimisation"), "optimisation"
+) | {"read_study": "file.study_file"}
 
 if not TYPE_CHECKING:  # type checkers see the imports above, and report other names
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from dualcam.common.entries import NUMBER, TEXT, Kind, hint, problems_of_entries
 from dualcam.study.plan.plan import Plan
-from dualcam.study.run.results_wanted import Readings
+from dualcam.study.run.readings import Readings
 
 NAMES = TEXT.listed()
 BEST = Kind(
@@ -26,22 +26,23 @@ OPTIONAL = {"title", "highlight", "color", "best"}
 
 def problems_of_keys(plots: Sequence[Any]) -> list[str]:
     """What is wrong with the keys of pictures, one text each."""
-    return [problem for plot in plots for problem in _problems_of_keys(plot)]
-
-
-def _problems_of_keys(plot: object) -> list[str]:
-    if not isinstance(plot, Mapping):
-        return [f"plots with {plot!r}: allowed are tables"]
-    kind = plot.get("kind", "")
-    if not isinstance(kind, str) or kind not in KINDS:
-        return [f"plot of kind {kind!r}{hint(str(kind), KINDS)}"]
-    kinds = {"kind": TEXT, "title": TEXT, **KINDS[kind]}
-    return problems_of_entries(plot, f"plot {kind}", kinds, set(kinds) - OPTIONAL)
+    found = []
+    for plot in plots:
+        kind = plot.get("kind", "") if isinstance(plot, Mapping) else None
+        if kind is None:
+            found.append(f"plots with {plot!r}: allowed are tables")
+        elif not isinstance(kind, str) or kind not in KINDS:
+            found.append(f"plot of kind {kind!r}{hint(str(kind), KINDS)}")
+        else:
+            kinds = {"kind": TEXT, "title": TEXT, **KINDS[kind]}
+            found += problems_of_entries(plot, f"plot {kind}", kinds, set(kinds) - OPTIONAL)
+    return found
 
 
 def problems_of_columns(plots: Sequence[Mapping[str, Any]], plan: Plan, readings: Readings) -> list[str]:
     """What is wrong with the columns of pictures whose keys are sound, one text each."""
-    known = columns_to_draw(plan, readings)
+    known = [name for name in plan.names if name not in plan.texts]  # columns with one number for each run
+    known += [name for name in readings.columns if name not in readings.series]
     found = [
         f"plot {plot['kind']}: {name!r} is no column of numbers{hint(name, known)}"
         for plot in plots
@@ -51,12 +52,6 @@ def problems_of_columns(plots: Sequence[Mapping[str, Any]], plan: Plan, readings
     if plan.kind != "indices" and any(plot["kind"] == "sobol" for plot in plots):
         found.append(f"plot sobol needs a plan of kind indices, this one is of kind {plan.kind}")
     return found
-
-
-def columns_to_draw(plan: Plan, readings: Readings) -> list[str]:
-    """Columns with one number for each run."""
-    names = [name for name in plan.names if name not in plan.texts]
-    return names + [name for name in readings.columns if name not in readings.series]
 
 
 def columns_of(plot: Mapping[str, Any]) -> list[str]:

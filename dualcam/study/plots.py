@@ -1,14 +1,6 @@
 """Pictures of a finished study: efficiency maps, Sobol's indices, Pareto fronts, parallel coordinates.
 
-A plot is a table with `kind` and, for that kind:
-
-    map       x, y, z            colours over two varying quantities, the highest marked; of a plan that is
-                                 no grid, means over hexagons
-    sobol     of = [...]         first and total indices of results, of a plan of kind "indices"
-    pareto    x, y, best, color  results against each other; best = ["max", "min"]: what is wanted of x and y
-    parallel  axes, color,       a line for each run over these columns; the share `highlight` (0.1) of the
-              highlight          runs with the highest color is drawn over the rest
-"""
+`plot_keys` says which keys each kind has, docs/study-plan.md what they mean."""
 
 from __future__ import annotations
 
@@ -41,15 +33,16 @@ THIN = {"elinewidth": 0.8, "ecolor": "0.3"}  # of an interval
 
 
 def draw(studies: Sequence[tuple[Study, str | Path]], path: Path) -> None:
-    """All plots of these studies, whose results are in these folders, as panels of one picture. StudyError
-    if one cannot be drawn."""
+    """All plots of these studies, whose results are in these folders, as panels of one picture."""
+    for study, _ in studies:
+        refuse(problems_of_keys(study.plots))
+        refuse(problems_of_columns(study.plots, study.plan, study.readings))
     panels = [(study, folder, plot) for study, folder in studies for plot in study.plots]
     check_file([study for study, _ in studies], path)
     columns = min(2, len(panels))
     lines = -(-len(panels) // columns)
-    figure, axes = plt.subplots(
-        lines, columns, figsize=(7.2 * columns, 5.2 * lines), layout="constrained", squeeze=False
-    )
+    size = 7.2 * columns, 5.2 * lines
+    figure, axes = plt.subplots(lines, columns, figsize=size, layout="constrained", squeeze=False)
     try:
         for axis, (study, folder, plot) in zip(axes.flat, panels, strict=False):
             _draw_one(axis, study, folder, plot)
@@ -64,14 +57,8 @@ def draw(studies: Sequence[tuple[Study, str | Path]], path: Path) -> None:
         plt.close(figure)
 
 
-def check(study: Study) -> None:
-    """StudyError if a plot asks for what the study does not have: better before the runs than after them."""
-    refuse(problems_of_keys(study.plots))
-    refuse(problems_of_columns(study.plots, study.plan, study.readings))
-
-
 def check_file(studies: Sequence[Study], path: Path) -> None:
-    """StudyError if no picture of these studies can be written there: likewise."""
+    """StudyError if no picture of these studies can be written there."""
     if not any(study.plots for study in studies):
         raise StudyError("these plans have no plots: add [[plots]] to one")
     formats = FigureCanvasBase.get_supported_filetypes()
@@ -80,9 +67,8 @@ def check_file(studies: Sequence[Study], path: Path) -> None:
 
 
 def _draw_one(axis: Axes, study: Study, folder: str | Path, plot: Mapping[str, Any]) -> None:
-    columns = {
-        name: np.asarray(values, float) for name, values in read_results(folder, columns_of(plot)).items()
-    }
+    table = read_results(folder, columns_of(plot))
+    columns = {name: np.asarray(values, float) for name, values in table.items()}
     with Fmu(study.path) as fmu:
         labels = {name: _label(fmu, study, name) for name in columns}
     if plot["kind"] == "sobol":
@@ -92,9 +78,8 @@ def _draw_one(axis: Axes, study: Study, folder: str | Path, plot: Mapping[str, A
         if not whole.any():
             raise StudyError(f"{folder}: every run failed, there is nothing to draw: see column message")
         sound = {name: values[whole] for name, values in columns.items()}
-        {"map": _map, "pareto": _pareto, "parallel": _parallel}[plot["kind"]](
-            axis, study, sound, labels, plot
-        )
+        draw_kind = {"map": _map, "pareto": _pareto, "parallel": _parallel}[plot["kind"]]
+        draw_kind(axis, study, sound, labels, plot)
     axis.set_title(plot.get("title", ""), loc="left")
 
 
@@ -104,9 +89,6 @@ def _label(fmu: Fmu, study: Study, name: str) -> str:
     vary = study.plan.vary.get(name)
     unit = fmu.variable(variable).unit if variable in fmu.names else vary.unit if vary else ""
     return variable + (f" at {time} s" if at else "") + (f" [{unit}]" if unit and unit != "1" else "")
-
-
-# ---- map ----
 
 
 def _map(
@@ -122,8 +104,8 @@ def _map(
         _drop_cut(axis, axis.clabel(lines, fontsize=7))
         line, column = np.unravel_index(np.nanargmax(mean), mean.shape)
         axis.plot(across[column], along[line], "w+", markersize=9)
-        axis.annotate(f"{mean[line, column]:.4g}", (across[column], along[line]), (5, 5),
-                      textcoords="offset points", color="black", fontsize=8)  # fmt: skip
+        style: dict[str, Any] = {"textcoords": "offset points", "color": "black", "fontsize": 8}
+        axis.annotate(f"{mean[line, column]:.4g}", (across[column], along[line]), (5, 5), **style)
         axis.figure.colorbar(shades, ax=axis, label=labels[plot["z"]])
     else:
         cells = axis.hexbin(x, y, z, gridsize=30, cmap="viridis", linewidths=0.1, **scales)
@@ -155,9 +137,6 @@ def _means(x: Array, y: Array, z: Array) -> tuple[Array, Array, Array]:
         return across, along, total / count
 
 
-# ---- Sobol's indices ----
-
-
 def indices(study: Study, values: Array) -> Any:  # noqa: ANN401
     """Sobol's indices of one result over all runs of a plan of kind "indices": SciPy's SobolResult, with
     first_order and total_order, shape (variables,), and bootstrap."""
@@ -175,9 +154,8 @@ def indices(study: Study, values: Array) -> Any:  # noqa: ANN401
 
 
 def spread(study: Study, values: Array) -> tuple[Array, Array]:
-    """Ends of the 95 % intervals of first and total indices, shape (2, variables) each: percentiles over
-    RESAMPLES resamplings of the runs. (SciPy's own bootstrap does the same by copying all runs, minutes
-    instead of a blink.)"""
+    """Ends of the 95 % intervals of first and total indices, shape (2, variables) each, by resampling of the
+    runs. SciPy's own bootstrap does the same by copying all runs, which takes minutes."""
     blocks = values.reshape(len(study.plan.vary) + 2, study.plan.runs)
     first, second, mixed = blocks[0], blocks[1], blocks[2:]
     middle = (first.mean() + second.mean()) / 2.0
@@ -216,9 +194,6 @@ def _sobol(axis: Axes, study: Study, columns: Mapping[str, Array], of: Sequence[
     axis.legend(fontsize=8, loc="upper center", bbox_to_anchor=(0.45, -0.12), ncols=len(of))
 
 
-# ---- Pareto ----
-
-
 def front(x: Array, y: Array, best: Sequence[str] = ("max", "max")) -> NDArray[np.intp]:
     """Places of the runs that no other beats in one of the two without losing in the other, by growing x."""
     gain_x, gain_y = (x if best[0] == "max" else -x), (y if best[1] == "max" else -y)
@@ -241,26 +216,20 @@ def _pareto(
     else:
         axis.scatter(x[some], y[some], color="0.6", **style)
     kept = front(x, y, best)
-    axis.plot(
-        x[kept], y[kept], "o-", color="C3", markersize=3, linewidth=1, label=f"front: {len(kept)} of {len(x)}"
-    )
+    label = f"front: {len(kept)} of {len(x)}"
+    axis.plot(x[kept], y[kept], "o-", color="C3", markersize=3, linewidth=1, label=label)
     wanted = {"max": "more is better", "min": "less is better"}
-    axis.set(
-        xlabel=f"{labels[plot['x']]}, {wanted[best[0]]}", ylabel=f"{labels[plot['y']]}, {wanted[best[1]]}"
-    )
+    across, along = (f"{labels[plot[key]]}, {wanted[way]}" for key, way in zip("xy", best, strict=True))
+    axis.set(xlabel=across, ylabel=along)
     axis.legend(fontsize=8)
-
-
-# ---- parallel coordinates ----
 
 
 def _parallel(
     axis: Axes, study: Study, columns: Mapping[str, Array], labels: Mapping[str, str], plot: Mapping[str, Any]
 ) -> None:
     names = list(plot["axes"])
-    scaled = np.column_stack(
-        [_scaled(np.log(columns[name]) if _is_log(study, name) else columns[name]) for name in names]
-    )
+    logs = {name: np.log(columns[name]) if _is_log(study, name) else columns[name] for name in names}
+    scaled = np.column_stack([_scaled(logs[name]) for name in names])
     crowded = len(names) > 10
     shade = columns[plot["color"]] if "color" in plot else columns[names[-1]]
     ranks = np.argsort(np.argsort(shade)) / max(len(shade) - 1, 1)
@@ -272,28 +241,21 @@ def _parallel(
     for places, style in styles:
         some = places[_some(len(places), LINES)]
         some = some[np.argsort(shade[some])]
-        paths = np.stack(
-            [np.broadcast_to(np.arange(len(names)), (len(some), len(names))), scaled[some]], axis=-1
-        )
+        places_of_axes = np.broadcast_to(np.arange(len(names)), scaled[some].shape)
+        paths = np.stack([places_of_axes, scaled[some]], axis=-1)
         lines = LineCollection(list(paths), linewidths=0.6, rasterized=True, **style)
         if "cmap" in style:
             lines.set_array(shade[some])
         axis.add_collection(lines)
     axis.figure.colorbar(lines, ax=axis, label=labels[plot.get("color", names[-1])])
     axis.set(xlim=(-0.2, len(names) - 0.8), ylim=(-0.06, 1.06), yticks=[])
-    axis.set_xticks(
-        range(len(names)),
-        [labels[name].replace(" [", "\n[") for name in names],
-        rotation=70 if crowded else 35,
-        ha="right",
-    )
+    words = [labels[name].replace(" [", "\n[") for name in names]
+    axis.set_xticks(range(len(names)), words, rotation=70 if crowded else 35, ha="right")
     axis.tick_params(axis="x", labelsize=7)
     for k, name in enumerate(names):
         axis.axvline(k, color="0.5", linewidth=0.6)
-        for height, value, place in (
-            (-0.01, columns[name].min(), "top"),
-            (1.01, columns[name].max(), "bottom"),
-        ):
+        ends = ((-0.01, columns[name].min(), "top"), (1.01, columns[name].max(), "bottom"))
+        for height, value, place in ends:
             axis.text(k, height, f"{value:.3g}", fontsize=5 if crowded else 7, ha="center", va=place)
 
 

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from dualcam.study.file import study_file
-from dualcam.study.optimisation.file import check_search_section, is_search
+from dualcam.common.mistakes import StudyError, refuse
+from dualcam.study.file.study_file import NO_SCENARIO, study_of_design
+from dualcam.study.optimisation.file import is_search, task_of_design
 
 if TYPE_CHECKING:
     from dualcam.design_file import DesignFile
 
 
 def check_section(design: DesignFile) -> None:
-    """StudyError with all mistakes of the section."""
-    check = check_search_section if is_search({"study": design.study}) else study_file.check_section
-    check(design)
+    """StudyError with all mistakes of the section, whose design may lack a scenario."""
+    try:
+        (task_of_design if is_search({"study": design.study}) else study_of_design)(design)
+    except StudyError as error:
+        refuse(text for text in error.problems if not text.endswith(NO_SCENARIO))

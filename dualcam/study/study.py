@@ -24,10 +24,9 @@ from dualcam.scenario.scenario import Scenario
 from dualcam.study.plan.plan import Plan
 from dualcam.study.run.chunk import Task, Written
 from dualcam.study.run.first_runs import check, takes_less_than
-from dualcam.study.run.processes import in_a_daemon
-from dualcam.study.run.results_wanted import Readings
+from dualcam.study.run.processes import in_a_daemon, workers_for
+from dualcam.study.run.readings import Readings
 from dualcam.study.run.runner import Job, Runner
-from dualcam.study.run.team import workers_for
 from dualcam.study.store.results import Results, read_results
 from dualcam.study.store.store import Store
 
@@ -101,15 +100,9 @@ class Study:
 
     def job(self) -> Job:
         """What a worker needs for the runs."""
-        return Job(
-            str(self.path),
-            self.plan.names,
-            dict(self.parameters),
-            self.scenario,
-            self.readings.raw,
-            self.plan.texts,
-            dict(self.plan.constraints),
-        )
+        plan, fixed = self.plan, dict(self.parameters)
+        what = self.scenario, self.readings.raw, plan.texts, dict(plan.constraints)
+        return Job(str(self.path), plan.names, fixed, *what)
 
     def run(
         self,
@@ -183,11 +176,8 @@ class Study:
         job = self.job()
         runner = check(job, self.plan, self.readings.used)
         self.plan.rows(0, 1)  # what is too much for the memory is so before anything is written
-        size = runs_per_file or self._runs_per_file()
-        with (
-            closing(runner),
-            closing(Store(folder, self.facts(), self.plan, self.readings, size, file_format)) as store,
-        ):
+        what = self.facts(), self.plan, self.readings, runs_per_file or self._runs_per_file()
+        with closing(runner), closing(Store(folder, *what, file_format)) as store:
             missing = store.missing()
             if console and store.damaged:
                 say(console, f"damaged, made again: {', '.join(store.damaged)}")
@@ -213,7 +203,7 @@ class Study:
 
     def _runs_per_file(self) -> int:
         most = min(CHUNK_MAX, max(1, NUMBERS_MAX // self.readings.width))
-        texts = math.prod(len(each) for each in self.plan.texts.values()) if self.plan.texts else 0
+        texts = math.prod(map(len, self.plan.texts.values())) if self.plan.texts else 0
         return min(most, max(math.ceil(self.plan.count / CHUNKS_MIN), RUNS_PER_TEXT * texts))
 
     def facts(self) -> dict[str, Any]:
@@ -231,7 +221,7 @@ class Study:
 
 
 def say(console: Console, text: str) -> None:
-    """A line as it is: paths and the FMU's words hold brackets, and are to be copied."""
+    """Print a line as it is: paths and the FMU's words hold brackets, and are to be copied."""
     console.print(text, highlight=False, markup=False, soft_wrap=True)
 
 

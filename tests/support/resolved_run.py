@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from dualcam.study.run.row_values import values_of, violated_by
+from dualcam.study.plan.rows import values_of, violated_by
 
 
 @dataclass(frozen=True)

@@ -10,8 +10,7 @@ from dualcam.common.mistakes import Findings, StudyError
 from dualcam.scenario.formula import is_formula
 from dualcam.scenario.history import History, Number
 from dualcam.scenario.scenario import Controller, Scenario
-from dualcam.study.file.context import Context
-from dualcam.study.file.quantities import in_si, in_unit
+from dualcam.study.file.context import Context, in_si, in_unit
 
 UNITS = {"time": "s", "frequency": "Hz", "phase": "rad"}  # of numbers of an input; others have the input's
 LISTED = ("time", "value")
@@ -34,9 +33,7 @@ def scenario_of(context: Context, content: Mapping[str, Any]) -> Scenario:
     control = findings.attempt(_controller, content["controller"]) if "controller" in content else None
     stop = 1.0 if found["stop"] is None else found["stop"]
     scenario = findings.attempt(Scenario, stop, inputs, found.get("step"), content.get("tolerance"), control)
-    findings.refuse()
-    assert scenario is not None
-    return scenario
+    return findings.result(scenario)
 
 
 def _history(context: Context, name: str, content: Any) -> History:  # noqa: ANN401
@@ -76,9 +73,7 @@ def _controller(content: Mapping[str, Any]) -> Controller:
         name: findings.attempt(_number, f"controller: {name}", value, None)
         for name, value in content.get("arguments", {}).items()
     }
-    findings.refuse()
-    assert law is not None
-    return Controller(law, period, content["reads"], content["writes"], arguments)
+    return Controller(findings.result(law), period, content["reads"], content["writes"], arguments)
 
 
 def _imported(text: str) -> Any:  # noqa: ANN401

@@ -28,9 +28,8 @@ from dualcam.common.entries import (
 from dualcam.common.toml_table import TomlTable
 from dualcam.scenario.history import SHAPES
 from dualcam.study.plan.arrangements import KINDS
-from dualcam.study.plan.check import ON_VIOLATION
-
-PLOTS = ("map", "sobol", "pareto", "parallel")
+from dualcam.study.plan.fields import ON_VIOLATION
+from dualcam.study.plot_keys import KINDS as PLOTS
 
 
 def _entry(kind: Kind, description: str, *, needed: bool = False, enum: tuple[str, ...] = ()) -> Any:  # noqa: ANN401
@@ -46,11 +45,6 @@ def _entry(kind: Kind, description: str, *, needed: bool = False, enum: tuple[st
     return annotated, _field(description, kind.words, needed)
 
 
-def _each(kind: Kind, descriptions: Mapping[str, str]) -> dict[str, Any]:
-    """Keys with values of one kind."""
-    return {name: _entry(kind, description) for name, description in descriptions.items()}
-
-
 def _field(description: str, words: str, needed: bool) -> Any:  # noqa: ANN401
     extra: dict[str, Any] = {"words": words, "needed": needed}
     if needed:
@@ -62,21 +56,24 @@ def _table(name: str, description: str, fields: Mapping[str, Any]) -> Any:  # no
     return create_model(name, __base__=TomlTable, __doc__=description, **fields)
 
 
-def _nested(kind: Any, description: str, words: str = TABLE.words, needed: bool = False) -> Any:  # noqa: ANN401
-    return kind, _field(description, words, needed)
+def _nested(kind: Any, description: str, needed: bool = False) -> Any:  # noqa: ANN401
+    return kind, _field(description, TABLE.words, needed)
+
+
+def _by_name(kind: Any, description: str) -> Any:  # noqa: ANN401
+    return _nested(GenericAlias(dict, (str, kind)), description)
+
+
+def _tables(kind: Any, description: str, needed: bool = False) -> Any:  # noqa: ANN401
+    return GenericAlias(list, (kind,)), _field(description, "a list of tables", needed)
 
 
 VARY = _table(
     "Vary",
     "Values of one name: a range, a distribution, a list, or tables with a random error",
     {
-        **_each(
-            QUANTITY,
-            {
-                "from": "start of the range; of a distribution: cut off below",
-                "to": "end of the range; of a distribution: cut off above",
-            },
-        ),
+        "from": _entry(QUANTITY, "start of the range; of a distribution: cut off below"),
+        "to": _entry(QUANTITY, "end of the range; of a distribution: cut off above"),
         "count": _entry(
             WHOLE,
             "`grid`: number of values from start to end, both included; of a table with an error: number of "
@@ -87,19 +84,15 @@ VARY = _table(
         "weights": _entry(NUMBER.listed(), "how often each of `values` is drawn; equally often if not given"),
         "same_as": _entry(TEXT, "the value of this other name in each run"),
         "distribution": _entry(TEXT, '`"normal"`, or the name of any distribution of scipy.stats'),
-        **_each(QUANTITY, {"mean": "`normal`: mean", "std": "`normal`: standard deviation"}),
+        "mean": _entry(QUANTITY, "`normal`: mean"),
+        "std": _entry(QUANTITY, "`normal`: standard deviation"),
         "arguments": _entry(
             QUANTITIES_BY_NAME, "arguments of a distribution of scipy.stats, by their names there"
         ),
         "unit": _entry(TEXT, "unit of a name that the FMU does not have, into which texts are converted"),
         "table": _entry(TEXT, "path of a groove table that gets a random smooth error of its profile"),
-        **_each(
-            QUANTITY,
-            {
-                "deviation": "standard deviation of the error of z",
-                "correlation_length": "angle psi over which the error is alike",
-            },
-        ),
+        "deviation": _entry(QUANTITY, "standard deviation of the error of z"),
+        "correlation_length": _entry(QUANTITY, "angle psi over which the error is alike"),
     },
 )
 CORRELATION = _table(
@@ -122,7 +115,7 @@ PLAN = _table(
             "trajectories; of `fast` runs for each name",
         ),
         "seed": _entry(WHOLE, "start of the random numbers, 0 if not given"),
-        "vary": _nested(GenericAlias(dict, (str, VARY)), "the values by name, with the keys `vary.NAME`"),
+        "vary": _by_name(VARY, "the values by name, with the keys `vary.NAME`"),
         "derived": _entry(NUMBERS_BY_NAME, 'formulas by name, such as `"spring.stiffness" = "rate * coils"`'),
         "constraints": _entry(NUMBERS_BY_NAME, "formulas that must be true in each run, by a name of theirs"),
         "on_violation": _entry(
@@ -131,11 +124,7 @@ PLAN = _table(
             "is not made, its message names the constraint",
             enum=ON_VIOLATION,
         ),
-        "correlation": _nested(
-            GenericAlias(list, (CORRELATION,)),
-            "correlations, each a `[[plan.correlation]]`",
-            "a list of tables",
-        ),
+        "correlation": _tables(CORRELATION, "correlations, each a `[[plan.correlation]]`"),
         "second_order": _entry(SWITCH, "`saltelli`: runs for second-order indices, true if not given"),
         "levels": _entry(WHOLE, "`morris`: levels of each name, an even number, 4 if not given"),
         "table": _entry(
@@ -154,15 +143,10 @@ HISTORY = _table(
         "shape": _entry(
             TEXT, 'between the points: `"linear"` or `"smooth"`; `"sine"` has no points', enum=SHAPES
         ),
-        **_each(
-            SCENARIO_NUMBER,
-            {
-                "mean": "`sine`: mean value",
-                "amplitude": "`sine`: amplitude",
-                "frequency": "`sine`: frequency [Hz]",
-                "phase": "`sine`: phase at 0 s [rad]",
-            },
-        ),
+        "mean": _entry(SCENARIO_NUMBER, "`sine`: mean value"),
+        "amplitude": _entry(SCENARIO_NUMBER, "`sine`: amplitude"),
+        "frequency": _entry(SCENARIO_NUMBER, "`sine`: frequency [Hz]"),
+        "phase": _entry(SCENARIO_NUMBER, "`sine`: phase at 0 s [rad]"),
         "derivative_of": _entry(
             TEXT, "the input is the time derivative of this other input, such as `omega` of `theta`"
         ),
@@ -190,18 +174,19 @@ def _history(value: object) -> object:
     return {"time": [0.0], "value": [value]} if SCENARIO_NUMBER.suits(value) else value
 
 
-HISTORIES = GenericAlias(dict, (str, Annotated[HISTORY, BeforeValidator(_history)]))
 SCENARIO = _table(
     "Scenario",
     "What happens in each run",
     {
         "stop": _entry(SCENARIO_NUMBER, "end of the run [s]", needed=True),
         "step": _entry(
-            SCENARIO_NUMBER,
-            "step [s], only for FMUs that take no derivatives of inputs or need equal steps",
+            SCENARIO_NUMBER, "step [s], only for FMUs that take no derivatives of inputs or need equal steps"
         ),
         "tolerance": _entry(NUMBER, "relative tolerance of the FMU's integrator"),
-        "inputs": _nested(HISTORIES, "inputs over time, by name: tables, or a number that stands still"),
+        "inputs": _by_name(
+            Annotated[HISTORY, BeforeValidator(_history)],
+            "inputs over time, by name: tables, or a number that stands still",
+        ),
         "controller": _nested(CONTROLLER, "a closed loop in Python"),
     },
 )
@@ -209,16 +194,11 @@ PLOT = _table(
     "Plot",
     "A picture",
     {
-        "kind": _entry(TEXT, "kind of picture", enum=PLOTS),
+        "kind": _entry(TEXT, "kind of picture", enum=tuple(PLOTS)),
         "title": _entry(TEXT, "title of the picture"),
-        **_each(
-            TEXT,
-            {
-                "x": "`map`, `pareto`: column along the horizontal axis",
-                "y": "`map`, `pareto`: column along the vertical axis",
-                "z": "`map`: column that the colours show",
-            },
-        ),
+        "x": _entry(TEXT, "`map`, `pareto`: column along the horizontal axis"),
+        "y": _entry(TEXT, "`map`, `pareto`: column along the vertical axis"),
+        "z": _entry(TEXT, "`map`: column that the colours show"),
         "of": _entry(TEXT.listed(), "`sobol`: results; the plan is of kind `indices`"),
         "best": _entry(TEXT.listed(), '`pareto`: `"max"` or `"min"`, what is wanted of x and y'),
         "axes": _entry(TEXT.listed(), "`parallel`: columns"),
@@ -231,13 +211,10 @@ PLOT = _table(
 GOAL_LIMITS = _table(
     "GoalLimits",
     "Limits of a result",
-    _each(
-        QUANTITY,
-        {
-            "from": "least value of the result or formula",
-            "to": "greatest value of the result or formula",
-        },
-    ),
+    {
+        "from": _entry(QUANTITY, "least value of the result or formula"),
+        "to": _entry(QUANTITY, "greatest value of the result or formula"),
+    },
 )
 TOLERANCE = _table(
     "Tolerance",
@@ -259,18 +236,14 @@ OPTIMISE = _table(
         "objectives": _entry(
             NUMBERS_BY_NAME, '`"minimise"` or `"maximise"`, by the result or formula', needed=True
         ),
-        "constraints": _nested(
-            GenericAlias(dict, (str, GOAL_LIMITS)), "limits by the result or formula, with the next two keys"
-        ),
+        "constraints": _by_name(GOAL_LIMITS, "limits by the result or formula, with the next two keys"),
         "method": _entry(TEXT, '`"slsqp"`, `"evolution"` or `"nsga2"`', enum=("slsqp", "evolution", "nsga2")),
         "budget": _entry(WHOLE, "most designs that are evaluated, 2000 if not given"),
         "population": _entry(WHOLE, "designs in a generation"),
         "starts": _entry(WHOLE, "`slsqp`: searches from different designs, 4 if not given"),
         "start": _entry(QUANTITIES_BY_NAME, "values of the design with which the search begins, by name"),
         "seed": _entry(WHOLE, "start of the random numbers, 0 if not given"),
-        "tolerances": _nested(
-            GenericAlias(dict, (str, TOLERANCE)), "deviations of made parts by name, with the next two keys"
-        ),
+        "tolerances": _by_name(TOLERANCE, "deviations of made parts by name, with the next two keys"),
         "percentile": _entry(NUMBER, "share of the parts [%], 95 if not given"),
         "samples": _entry(WHOLE, "parts of each design, 64 if not given"),
         "difference": _entry(
@@ -285,34 +258,17 @@ KEYS: dict[str, Callable[..., Any]] = {  # of a whole file
     "parameters": partial(_entry, TABLE, "start values that are the same in every run, by name"),
     "plan": partial(_nested, PLAN, "which values the runs have"),
     "scenario": partial(_nested, SCENARIO, "what happens in each run"),
-    "plots": partial(
-        _nested, GenericAlias(list, (PLOT,)), "pictures, each a `[[plots]]`", "a list of tables"
-    ),
+    "plots": partial(_tables, PLOT, "pictures, each a `[[plots]]`"),
     "optimise": partial(_nested, OPTIMISE, "the search for the best design"),
 }
-
-
-FILES: dict[str, tuple[str, tuple[str, ...], tuple[str, ...]]] = {  # what it is; keys needed, and others
-    "StudyPlan": (
-        "A parameter study of an FMU",
-        ("fmu", "results", "plan", "scenario"),
-        ("parameters", "plots"),
-    ),
-    "StudySection": ("A parameter study of a design", ("results", "plan"), ("scenario", "plots")),
-    "Search": (
-        "An optimisation of an FMU",
-        ("fmu", "plan", "scenario", "optimise"),
-        ("results", "parameters", "plots"),
-    ),
-    "SearchSection": (
-        "An optimisation of a design",
-        ("plan", "optimise"),
-        ("results", "scenario", "plots"),
-    ),
+FILES = {  # what it is; keys needed; others
+    "StudyPlan": ("A parameter study of an FMU", "fmu results plan scenario", "parameters plots"),
+    "StudySection": ("A parameter study of a design", "results plan", "scenario plots"),
+    "Search": ("An optimisation of an FMU", "fmu plan scenario optimise", "results parameters plots"),
+    "SearchSection": ("An optimisation of a design", "plan optimise", "results scenario plots"),
     "Plan": (  # every key that a plan may have
-        "A parameter study or an optimisation of an FMU",
-        ("fmu", "plan", "scenario"),
-        ("results", "parameters", "plots", "optimise"),
+        *("A parameter study or an optimisation of an FMU", "fmu plan scenario"),
+        "results parameters plots optimise",
     ),
 }
 
@@ -321,8 +277,8 @@ FILES: dict[str, tuple[str, tuple[str, ...], tuple[str, ...]]] = {  # what it is
 def model_of(name: str) -> Any:  # noqa: ANN401
     """The pydantic model of a whole file, or of the section [study] of a design file: a key of FILES."""
     description, needed, others = FILES[name]
-    keys = [key for key in KEYS if key in (*needed, *others)]
-    return _table(name, description, {key: KEYS[key](needed=key in needed) for key in keys})
+    keys = [key for key in KEYS if key in f"{needed} {others}".split()]
+    return _table(name, description, {key: KEYS[key](needed=key in needed.split()) for key in keys})
 
 
 def json_schema() -> dict[str, Any]:

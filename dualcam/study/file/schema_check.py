@@ -23,22 +23,16 @@ def check_schema(model: Any, content: Mapping[str, Any], whole: str) -> None:  #
     try:
         model.model_validate(content)
     except ValidationError as error:
-        # Each kind of picture has keys of its own.
-        found = [
-            each
-            for each in error.errors(include_url=False)
-            if each["loc"][0] != "plots" or len(each["loc"]) < 2
-        ]
+        found = error.errors(include_url=False)
+        found = [each for each in found if each["loc"][0] != "plots" or len(each["loc"]) < 2]  # plot_keys
         meant = {place for each in found for place in _meant(model, each)}
         lacking: dict[Place, list[str]] = {}
         for each in found:
             if each["type"] == "missing" and each["loc"] not in meant:
                 lacking.setdefault(each["loc"][:-1], []).append(str(each["loc"][-1]))
-        problems = [text for each in found for text in _words(model, each, whole)]
-        problems += [
-            f"{_where(table, whole)} lacks {', '.join(sorted(keys))}" for table, keys in lacking.items()
-        ]
-        findings.note(*problems)
+        findings.note(*(text for each in found for text in _words(model, each, whole)))
+        for table, keys in lacking.items():
+            findings.note(f"{_where(table, whole)} lacks {', '.join(sorted(keys))}")
     plots = content.get("plots")
     findings.note(*(problems_of_keys(plots) if isinstance(plots, list) else ()))
     findings.refuse()

@@ -3,30 +3,30 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from dualcam.common.mistakes import Findings, StudyError, refuse, told_of
 from dualcam.design_file.toml_text import tables_of
 from dualcam.errors import DualcamWarning
 from dualcam.fmi.model_description import Scalar
 from dualcam.scenario.scenario import Scenario
-from dualcam.study.file.context import Context
+from dualcam.study.file.context import STRING, Context, in_unit
 from dualcam.study.file.plan_table import plan_of
-from dualcam.study.file.quantities import STRING, in_unit
 from dualcam.study.file.scenario_table import scenario_of
 from dualcam.study.file.schema import model_of
 from dualcam.study.file.schema_check import check_schema
 from dualcam.study.plot_keys import problems_of_columns
 from dualcam.study.run.fmu_check import problems_with_fmu
-from dualcam.study.run.results_wanted import Readings
+from dualcam.study.run.readings import Readings
 from dualcam.study.study import Study
 
 if TYPE_CHECKING:
     from dualcam.design_file import DesignFile
 
+Made = TypeVar("Made")
+Tables = Mapping[str, Any]
 NO_STUDY = """this design file has no section [study]. Add one, such as
 [study]
 results = ["efficiency", "theta"]
@@ -80,16 +80,26 @@ def read_study(path: str | Path) -> Study:
     >>> study.plan.count, study.plan.names
     (5, ['cam1.lead_angle'])
     """
-    path = Path(path)
+    return read_tables(Path(path), _study_of_plan, study_of_design)
+
+
+def read_tables(
+    path: Path, of_plan: Callable[[Path, Tables], Made], of_design: Callable[[DesignFile], Made]
+) -> Made:
+    """What is made of a plan's folder and tables, or else of a design with a section [study]."""
     content = content_of(path)
-    if "study" in content:
-        return _study_of_design(path)
-    if _is_design(content):
+    if "study" not in content and _is_design(content):
         raise StudyError(f"{path}: {NO_STUDY}")
+    if "study" not in content:
+        with told_of(path):
+            return of_plan(path.parent, content)
+    from dualcam.design_file import read_design  # the reader of design files reads plans by this module
+
+    design = read_design(path)
+    for warning in design.warnings:
+        warnings.warn(DualcamWarning(f"{path}: {warning}"), stacklevel=3)
     with told_of(path):
-        check_schema(model_of("StudyPlan"), content, "the file")
-        context = Context.of(path.parent, content["fmu"])
-        return _study(context, content, None, content.get("parameters", {}))
+        return of_design(design)
 
 
 def content_of(path: Path) -> dict[str, Any]:
@@ -103,7 +113,7 @@ def content_of(path: Path) -> dict[str, Any]:
     return content
 
 
-def _is_design(content: Mapping[str, Any]) -> bool:
+def _is_design(content: Tables) -> bool:
     """Whether a file without [study] is a design file, and no plan with a slip."""
     if not {"fmu", "plan"}.isdisjoint(content):
         return False
@@ -125,7 +135,7 @@ def parameters_of(context: Context, content: Mapping[str, Scalar]) -> dict[str, 
 
 
 def _study(
-    context: Context, table: Mapping[str, Any], scenario: Scenario | None, parameters: Mapping[str, Scalar]
+    context: Context, table: Tables, scenario: Scenario | None, parameters: Mapping[str, Scalar]
 ) -> Study:
     """The study of a table that keeps the schema; `scenario` where the table has none. StudyError with all
     that is wrong with the values, or else with all that the FMU does not have or allow."""
@@ -147,38 +157,15 @@ def _study(
     return study
 
 
-def _study_of_design(path: Path) -> Study:
-    """The study in the section [study] of a design file: its runs begin with the design's values."""
-    from dualcam.design_file import read_design  # the reader of design files reads plans by this module
-
-    design = read_design(path)
-    for warning in design.warnings:
-        warnings.warn(DualcamWarning(f"{path}: {warning}"), stacklevel=3)
-    with told_of(path):
-        return _study_of_section(design)
+def _study_of_plan(folder: Path, content: Tables) -> Study:
+    check_schema(model_of("StudyPlan"), content, "the file")
+    return _study(Context.of(folder, content["fmu"]), content, None, content.get("parameters", {}))
 
 
-def _study_of_section(design: DesignFile) -> Study:
+def study_of_design(design: DesignFile) -> Study:
+    """The study of the section [study] of a design: its runs begin with the design's values."""
     table = design.study or {}
     check_schema(model_of("StudySection"), table, "study")
     varied = {*table["plan"].get("vary", {}), *table["plan"].get("derived", {})}
     fixed = {name: value for name, value in design.parameters_for().items() if name not in varied}
     return _study(Context.of(design.path.parent, design.model), table, design.scenario, fixed)
-
-
-def check_section(design: DesignFile) -> None:
-    """StudyError with the mistakes of the section [study] of a design file, which may lack a scenario."""
-    with may_lack_scenario():
-        _study_of_section(design)
-
-
-@contextmanager
-def may_lack_scenario() -> Iterator[None]:
-    """Within, the lack of a scenario is no mistake."""
-    try:
-        yield
-    except StudyError as error:
-        problems = error.problems
-    else:
-        return
-    refuse(text for text in problems if not text.endswith(NO_SCENARIO))

@@ -1,22 +1,10 @@
 """Optimisation: the best design instead of a cloud of points.
 
-    from dualcam.study import FmuRuns, Optimisation, Scenario, Vary, optimise
-
-    best = optimise(
-        Optimisation(
-            FmuRuns("forward", Scenario(0.001)),
-            {"cam1.lead_angle": Vary(0.4, 1.2), "cam2.lead_angle": Vary(0.4, 1.2)},
-            {"efficiency": "maximise"},
-        ),
-        "results/best",
-    )
-
 A design is a row of values. Its runs are those of a study. Several parts of each design, as made, give a
-percentile. The search (`gradient`, `evolution`, `genetic`) asks for batches of designs. The record
-keeps them.
+percentile. The search (`gradient`, `evolution`) asks for batches of designs. The record keeps them.
 """
 
-from dualcam.study.optimisation.fields import Deviation, FmuRuns
+from dualcam.study.optimisation.designs import Deviation, FmuRuns
 from dualcam.study.optimisation.file import read_optimisation
 from dualcam.study.optimisation.optimum import Optimum
 from dualcam.study.optimisation.run import optimise

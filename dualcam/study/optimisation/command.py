@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from dualcam.common.mistakes import StudyError, refuse
 from dualcam.study.optimisation.design_files import fits_design_file, write_design
-from dualcam.study.optimisation.fields import FmuRuns
+from dualcam.study.optimisation.designs import FmuRuns
 from dualcam.study.optimisation.optimum import Optimum
-from dualcam.study.optimisation.page import shown, write_page
+from dualcam.study.optimisation.page import front_rows, write_page
 from dualcam.study.optimisation.run import optimise
-from dualcam.study.optimisation.task import Optimisation
-from dualcam.study.optimisation.units import shown as in_words
+from dualcam.study.optimisation.task import Optimisation, in_words
+from dualcam.study.store.encoding import encoded
+from dualcam.study.study import say
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -29,39 +27,28 @@ def run(
     tasks: Mapping[str, Optimisation], folder: Path, workers: int, scheduler: str | None, console: Console
 ) -> None:
     """Search for the optima of tasks, and write what was found into folders of their names below this one.
-
-    Raises
-    ------
-    StudyError
-        No design keeps all constraints, which is said after all searches.
-    """
+    StudyError, after all searches, where no design keeps all constraints."""
     found = [_search(task, folder / name, workers, scheduler, console) for name, task in tasks.items()]
     refuse([text for one in found for text in _shortfall(one)])
 
 
 def _shortfall(found: Optimum) -> list[str]:
-    """What to say of a search without a design that keeps all constraints."""
+    """What to say where no design keeps all constraints."""
     if found.feasible or found.folder is None:
         return []
     nearest = found.folder / (BEST if fits_design_file(found.task) else PAGE)
-    return [
-        f"{found.folder.name}: none of {found.evaluated:,} designs keeps all constraints. The nearest one, "
-        f"{nearest}, misses: {'; '.join(found.violated)}"
-    ]
+    said = f"{found.folder.name}: none of {found.evaluated:,} designs keeps all constraints"
+    return [f"{said}. The nearest one, {nearest}, misses: {'; '.join(found.violated)}"]
 
 
 def _search(
     task: Optimisation, folder: Path, workers: int, scheduler: str | None, console: Console
 ) -> Optimum:
-    from dualcam.study.study import say
-
     say(console, f"{folder.name}: {task.method_used}, at most {task.budget:,} designs")
     found = optimise(task, folder, workers, scheduler, console)
     write_files(found, folder, folder.name)
-    for line in summary(found):
+    for line in [*summary(found), *_refusals(found)]:
         say(console, line)
-    for text in _refusals(found):
-        say(console, text)
     say(console, f"page: {folder / PAGE}")
     return found
 
@@ -80,10 +67,8 @@ def _refusals(found: Optimum) -> list[str]:
 def summary(found: Optimum) -> list[str]:
     """The optimum in lines."""
     task = found.task
-    lines = [
-        f"{text} = {in_words(task, text, value)} ({task.objectives[text]})"
-        for text, value in found.objectives.items()
-    ]
+    goals = found.objectives.items()
+    lines = [f"{text} = {in_words(task, text, value)} ({task.objectives[text]})" for text, value in goals]
     lines += [f"  {name} = {in_words(task, name, value)}" for name, value in found.design.items()]
     lines += [f"  active: {text}" for text in found.holding]
     lines += [f"  {text}" for text in found.idle_words()]
@@ -97,20 +82,13 @@ def summary(found: Optimum) -> list[str]:
 def write_files(found: Optimum, folder: Path, title: str) -> None:
     """Page, table of the front, and design files."""
     try:
-        _write_table(folder / FRONT, found.front)
-        _write_table(folder / DESIGNS, found.designs)
+        for name, table in ((FRONT, found.front), (DESIGNS, found.designs)):
+            (folder / name).write_bytes(encoded(table, "csv", ""))
         if fits_design_file(found.task):
             _write_designs(found, folder, title)
         write_page(found, folder / PAGE, title)
     except OSError as error:
         raise StudyError(f"cannot write into {folder}: {error.strerror or error}") from error
-
-
-def _write_table(path: Path, columns: dict[str, np.ndarray]) -> None:
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow(columns)
-        writer.writerows(zip(*(column.tolist() for column in columns.values()), strict=True))
 
 
 def _write_designs(found: Optimum, folder: Path, title: str) -> None:
@@ -120,7 +98,7 @@ def _write_designs(found: Optimum, folder: Path, title: str) -> None:
     if len(found.task.objectives) < 2:
         return
     (folder / FRONT_DESIGNS).mkdir(exist_ok=True)
-    for k in shown(found):
+    for k in front_rows(found):
         design = {name: found.front[name].tolist()[k] for name in found.design}
         words = ", ".join(f"{text} = {found.front[text][k]:.6g}" for text in found.task.objectives)
         path = folder / FRONT_DESIGNS / f"design_{k + 1:04d}.toml"

@@ -14,8 +14,8 @@ import numpy as np
 from dualcam.common.groove_laws import LAWS
 from dualcam.fmi.model_description import Scalar
 from dualcam.scenario.formula import formula
-from dualcam.scenario.scenario import History, Scenario
-from dualcam.study.optimisation.fields import Design, FmuRuns
+from dualcam.scenario.scenario import History
+from dualcam.study.optimisation.designs import Design, FmuRuns
 from dualcam.study.optimisation.task import Optimisation
 
 if TYPE_CHECKING:
@@ -31,15 +31,14 @@ def fits_design_file(task: Optimisation) -> bool:
     from dualcam.fmi.variables import all_inputs, all_parameters
 
     known = {**all_parameters(), **all_inputs()}
-    used = {*task.model.scenario.names}  # serve the scenario or other values
-    for text in [*task.model.derived.values(), *task.model.conditions.values()]:
-        used |= set(formula(text).names)
+    formulas = [*task.model.derived.values(), *task.model.conditions.values()]
+    used = {*task.model.scenario.names, *(name for text in formulas for name in formula(text).names)}
     names = [*task.designed, *task.same_as, *task.model.derived, *task.model.parameters]
     return all(name in known or name in used for name in names)
 
 
 def sections_of(design: DesignFile) -> dict[str, Any]:
-    """The tables of a design file but [study], with absolute paths: the best designs keep them."""
+    """The tables of a design file but [study], with absolute paths."""
     from dualcam.design_file.toml_text import parse, read_text
 
     content = parse(design.path, read_text(design.path))
@@ -50,8 +49,8 @@ def sections_of(design: DesignFile) -> dict[str, Any]:
     return {name: value for name, value in content.items() if name != "study"}
 
 
-def design_text(task: Optimisation, design: Design, head: str) -> str:
-    """A design file: the sections of the original design file, or fixed values; this design's values; and the
+def write_design(path: Path, task: Optimisation, design: Design, head: str) -> None:
+    """Write a design file: the sections of the original one, or fixed values; this design's values; and the
     scenario where a design file can have it."""
     assert isinstance(task.model, FmuRuns)
     content: dict[str, Any] = deepcopy(dict(task.model.sections))
@@ -59,7 +58,7 @@ def design_text(task: Optimisation, design: Design, head: str) -> str:
     _set_values(content, {**fixed, **design})
     content, remark = _with_scenario(content, task, design)
     comments = [f"# {line}" for line in [*head.splitlines(), "Numbers are in SI units.", *remark]]
-    return "\n".join([*comments, *toml_lines(content)]) + "\n"
+    path.write_text("\n".join([*comments, *toml_lines(content)]) + "\n", encoding="utf-8")
 
 
 def _set_values(content: dict[str, Any], values: Mapping[str, Scalar]) -> None:
@@ -78,7 +77,9 @@ def _with_scenario(
     """The content with the numbers of the scenario, and a remark where a design file cannot have it."""
     from dualcam.fmi.variables import all_inputs
 
-    scenario, before = _numbers(task, design), content.pop("scenario", {})
+    assert isinstance(task.model, FmuRuns)
+    median = {name: float(vary.at(np.array([0.5]))[0]) for name, vary in task.chance.items()}
+    scenario, before = task.model.scenario.at({**median, **design}), content.pop("scenario", {})
     if scenario.controller is not None:
         return content, ["The scenario has a controller in Python, which a design file cannot have."]
     if any(history.shape == "sine" for history in scenario.inputs.values()):
@@ -87,20 +88,11 @@ def _with_scenario(
     table |= {name: value for name in ("step", "tolerance") if (value := getattr(scenario, name))}
     if "output_interval" in before:
         table["output_interval"] = before["output_interval"]
-    assert isinstance(task.model, FmuRuns)
     held = {**task.model.parameters, **design}
-    inputs: dict[str, Any] = {
-        name: _history(each) for name, each in scenario.inputs.items() if not each.derivative_of
-    }
+    given = {name: each for name, each in scenario.inputs.items() if not each.derivative_of}
+    inputs: dict[str, Any] = {name: _history(each) for name, each in given.items()}
     inputs |= {name: float(held[name]) for name in all_inputs() if name in held}
     return content | {"scenario": table | ({"inputs": inputs} if inputs else {})}, []
-
-
-def _numbers(task: Optimisation, design: Design) -> Scenario:
-    """The scenario of this design; what happens by chance has its median."""
-    assert isinstance(task.model, FmuRuns)
-    chance = {name: float(vary.at(np.array([0.5]))[0]) for name, vary in task.chance.items()}
-    return task.model.scenario.at({**chance, **design})
 
 
 def _history(history: History) -> dict[str, Any]:
@@ -110,8 +102,7 @@ def _history(history: History) -> dict[str, Any]:
 
 
 def toml_lines(table: Mapping[str, Any], path: tuple[str, ...] = ()) -> Iterator[str]:
-    """The lines of a TOML table: its keys, then the tables inside, each with its header. A number of a
-    parameter has its unit as a comment."""
+    """The lines of a TOML table, then of the tables inside. The unit of a parameter is a comment."""
     for name, value in table.items():
         if not isinstance(value, Mapping):
             yield f"{_key(name)} = {_literal(value)}{_unit_comment((*path, name), value)}"
@@ -144,9 +135,3 @@ def _literal(value: object) -> str:
     if isinstance(value, Mapping):
         return "{" + ", ".join(f"{_key(name)} = {_literal(each)}" for name, each in value.items()) + "}"
     return repr(value)
-
-
-def write_design(path: Path, task: Optimisation, design: Design, head: str) -> Path:
-    """Write it, and give its path."""
-    path.write_text(design_text(task, design, head), encoding="utf-8")
-    return path

@@ -3,38 +3,42 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from dualcam.fmi.reals import Array
-from dualcam.study.optimisation.fields import Design, choices, share_of
-from dualcam.study.optimisation.models import Model, open_model, own_values, plan_of
+from dualcam.study.optimisation.designs import Design, is_within, share_of
+from dualcam.study.optimisation.models import open_model, own_values, plan_of
 from dualcam.study.optimisation.task import Optimisation
 from dualcam.study.plan.plan import Plan
+from dualcam.study.plan.rows import values_of
+from dualcam.study.run.runner import joined_messages
 
 if TYPE_CHECKING:
     from distributed import Client
 
+ARRAYS = ("shares", "results", "objectives", "constraints")
 RUNS_AT_ONCE = 100_000  # so that memory does not grow with designs times samples
 
 
 @dataclass
 class EvaluatedDesigns:
-    """Some designs and what they gave. NaN throughout for a design that failed, whose message, by its place,
-    says why.
+    """Some designs and what they gave: a row for each. A design that failed has NaN throughout."""
 
-    `shares` of the bounds, shape (designs, designed values); `results` of the parts exactly as designed;
-    `objectives` and `constraints` of parts as made the percentile, where a constraint with two limits has two
-    columns."""
+    shares: Array  # of the bounds
+    results: Array  # of the parts exactly as designed
+    objectives: Array  # of parts as made the percentile
+    constraints: Array  # likewise; two columns for two limits
+    messages: dict[int, str]  # why designs failed, by their place
 
-    shares: Array
-    results: Array
-    objectives: Array
-    constraints: Array
-    messages: dict[int, str]
+    @classmethod
+    def joined(cls, parts: Sequence[EvaluatedDesigns]) -> EvaluatedDesigns:
+        messages = joined_messages([part.shares for part in parts], [part.messages for part in parts])
+        arrays = {name: np.concatenate([getattr(part, name) for part in parts]) for name in ARRAYS}
+        return cls(**arrays, messages=messages)
 
 
 class DesignEvaluator:
@@ -44,7 +48,7 @@ class DesignEvaluator:
         self.task = task
         self.plan = plan_of(task)
         self._deviations, self._chance = _parts(task, self.plan)
-        self._model: Model = open_model(task, self.plan, workers, scheduler)
+        self._model = open_model(task, self.plan, workers, scheduler)
         self.limits = [
             (text, sign, limit)
             for text, (least, most) in task.constraints.items()
@@ -61,13 +65,9 @@ class DesignEvaluator:
         found = np.full(len(self.task.designed), 0.5)
         for place, (name, vary) in enumerate(self.task.designed.items()):
             value = values.get(name, math.nan)
-            if vary.is_list:
-                found[place] = share_of(vary, value) if value in choices(vary) else 0.5
-            elif vary.low <= float(value) <= vary.high:
+            if is_within(vary, value):
                 found[place] = share_of(vary, value)
         return found
-
-    # ---- values ----
 
     def rows(self, shares: Array) -> Array:
         """Values of the parts exactly as designed, columns in the order of the plan's names."""
@@ -75,9 +75,8 @@ class DesignEvaluator:
 
     def design(self, shares: Array) -> Design:
         """Values of one design by name, without those that only happen."""
-        row = dict(zip(self.plan.names, self.rows(shares[None, :])[0].tolist(), strict=True))
-        found: Design = {name: row[name] for name in self.chosen}
-        return found | {name: texts[round(row[name])] for name, texts in self.plan.texts.items()}
+        values = values_of(self.plan.names, self.rows(shares[None, :])[0], self.plan.texts)
+        return {name: values[name] for name in self.chosen}
 
     @property
     def chosen(self) -> list[str]:
@@ -102,20 +101,11 @@ class DesignEvaluator:
         count, copies, width = parts.shape
         return self.plan.sampler.completed(parts.reshape(count * copies, width)).reshape(count, copies, -1)
 
-    # ---- evaluation ----
-
     def evaluate(self, shares: Array) -> EvaluatedDesigns:
         """Objectives and constraints of designs, shape (designs, designed values)."""
         size = max(1, RUNS_AT_ONCE // (1 + len(self._deviations)))
         parts = [self._evaluate(shares[k : k + size]) for k in range(0, len(shares), size)]
-        messages = {
-            k * size + place: text for k, part in enumerate(parts) for place, text in part.messages.items()
-        }
-        results, objectives, constraints = (
-            np.concatenate([getattr(part, name) for part in parts])
-            for name in ("results", "objectives", "constraints")
-        )
-        return EvaluatedDesigns(shares, results, objectives, constraints, messages)
+        return EvaluatedDesigns.joined(parts)
 
     def _evaluate(self, shares: Array) -> EvaluatedDesigns:
         made = self.made(shares)
@@ -124,10 +114,8 @@ class DesignEvaluator:
         results = block.values.reshape(count, copies, -1)
         known = {name: made[:, :, k] for k, name in enumerate(self.plan.names)}
         known |= {name: results[:, :, k] for k, name in enumerate(self.task.columns)}
-        ways = self.task.objectives.items()
-        objectives = np.column_stack(
-            [self._value(text, known, 1.0 if way == "minimise" else -1.0) for text, way in ways]
-        )
+        signs = zip(self.task.objectives, self.task.signs, strict=True)
+        objectives = np.column_stack([self._value(text, known, sign) for text, sign in signs])
         constraints = np.empty((count, len(self.limits)))
         for place, (text, sign, _) in enumerate(self.limits):
             constraints[:, place] = self._value(text, known, sign)
@@ -170,18 +158,14 @@ def percentile(values: Array, level: float) -> Array:
 
 
 def _parts(task: Optimisation, plan: Plan) -> tuple[Array, np.ndarray[tuple[int, ...], np.dtype[np.bool_]]]:
-    """Common random numbers: what is added to each design, shape (samples, columns of the plan's `vary`), and
-    which columns have nothing but that."""
+    """What is added to each design, shape (samples, columns of the plan's `vary`); which columns are that
+    alone."""
     chance = np.array([name in task.chance for name in plan.vary])
     if not task.is_robust:
         return np.empty((0, len(plan.vary))), chance
     spread = {name: each.distribution() for name, each in task.tolerances.items()}
     drawn = Plan(
-        "latin",
-        {**task.chance, **spread},
-        runs=task.samples,
-        seed=task.seed,
-        correlations=task.correlations,
+        "latin", {**task.chance, **spread}, runs=task.samples, seed=task.seed, correlations=task.correlations
     )
     columns = dict(zip(drawn.names, drawn.rows(0, task.samples).T, strict=True))
     nothing = np.zeros(task.samples)

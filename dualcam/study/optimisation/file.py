@@ -4,28 +4,25 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from dualcam.common.entries import hint
-from dualcam.common.mistakes import Findings, StudyError, told_of
-from dualcam.design_file.toml_text import tables_of
+from dualcam.common.mistakes import Findings, StudyError
 from dualcam.fmi.model_description import Scalar
 from dualcam.scenario.scenario import Scenario
-from dualcam.study.file.context import Context
-from dualcam.study.file.plan_table import plan_of
-from dualcam.study.file.quantities import number, unit_in
+from dualcam.study.file.context import Context, unit_in
+from dualcam.study.file.plan_table import STAND_IN, plan_of
 from dualcam.study.file.scenario_table import scenario_of
 from dualcam.study.file.schema import model_of
 from dualcam.study.file.schema_check import check_schema
-from dualcam.study.file.study_file import NO_SCENARIO, content_of, may_lack_scenario, parameters_of
-from dualcam.study.file.values import STAND_IN
+from dualcam.study.file.study_file import NO_SCENARIO, Made, Tables, parameters_of, read_tables
 from dualcam.study.optimisation.design_files import sections_of
-from dualcam.study.optimisation.fields import Deviation, FmuRuns, Range
-from dualcam.study.optimisation.task import Optimisation
+from dualcam.study.optimisation.designs import Deviation, FmuRuns, Range
+from dualcam.study.optimisation.task import NUMBERS, Optimisation
 from dualcam.study.plan.plan import Plan
 from dualcam.study.run.fmu_check import problems_with_fmu
 from dualcam.study.study import Study
@@ -33,24 +30,14 @@ from dualcam.study.study import Study
 if TYPE_CHECKING:
     from dualcam.design_file import DesignFile
 
-NUMBERS = ("method", "budget", "population", "starts", "seed", "percentile", "samples", "difference")
 ARRANGEMENT = ("kind", "runs", "seed", "levels", "second_order", "on_violation")  # of the runs of a study
 REST = Scenario(1.0)  # instead of one that is refused, so that the rest can be checked
 
 
-def is_search(content: Mapping[str, Any]) -> bool:
+def is_search(content: Tables) -> bool:
     """Whether the tables of a file have a section [optimise] or [study.optimise]."""
     study = content.get("study", {})
     return "optimise" in content or (isinstance(study, Mapping) and "optimise" in study)
-
-
-def asks_for_optimum(path: Path) -> bool:
-    """Whether a file describes an optimisation; False for one that cannot be read."""
-    try:
-        content = tables_of(path.read_text(encoding="utf-8-sig"))
-    except (OSError, ValueError):
-        return False
-    return content is not None and is_search(content)
 
 
 def read_optimisation(path: str | Path) -> Optimisation:
@@ -88,33 +75,16 @@ def read_optimisation(path: str | Path) -> Optimisation:
     >>> task.method_used, task.constraints
     ('evolution', {'torque_load': (0.6, None)})
     """
-    path = Path(path)
-    content = content_of(path)
-    return _of_design(path) if "study" in content else _of_plan(path, content)
+    return read_tables(Path(path), _task_of_plan, task_of_design)
 
 
-def _of_plan(path: Path, content: Mapping[str, Any]) -> Optimisation:
-    with told_of(path):
-        check_schema(model_of("Search"), content, "the file")
-        context = Context.of(path.parent, content["fmu"])
-        return _task(context, content, None, content.get("parameters", {}))
+def _task_of_plan(folder: Path, content: Tables) -> Optimisation:
+    check_schema(model_of("Search"), content, "the file")
+    return _task(Context.of(folder, content["fmu"]), content, None, content.get("parameters", {}))
 
 
-def _of_design(path: Path) -> Optimisation:
-    from dualcam.design_file import read_design
-
-    design = read_design(path)
-    with told_of(path):
-        return _task_of_section(design)
-
-
-def check_search_section(design: DesignFile) -> None:
-    """StudyError with the mistakes of the section [study] of a design file that is optimised."""
-    with may_lack_scenario():
-        _task_of_section(design)
-
-
-def _task_of_section(design: DesignFile) -> Optimisation:
+def task_of_design(design: DesignFile) -> Optimisation:
+    """The optimisation of the section [study] of a design."""
     table = design.study or {}
     check_schema(model_of("SearchSection"), table, "study")
     context = Context.of(design.path.parent, design.model)
@@ -123,10 +93,10 @@ def _task_of_section(design: DesignFile) -> Optimisation:
 
 def _task(
     context: Context,
-    table: Mapping[str, Any],
+    table: Tables,
     scenario: Scenario | None,
     parameters: Mapping[str, Scalar],
-    sections: Mapping[str, Any] = MappingProxyType({}),
+    sections: Tables = MappingProxyType({}),
 ) -> Optimisation:
     """The optimisation of a table that keeps the schema; `scenario` where the table has none; `sections` are
     those of a design file. StudyError with all that is wrong with the values, or else with the FMU."""
@@ -168,7 +138,7 @@ def _task(
     return task
 
 
-def _plan_of(context: Context, content: Mapping[str, Any]) -> Plan:
+def _plan_of(context: Context, content: Tables) -> Plan:
     """What varies. A plan of any kind will do: how its runs are arranged does not matter here."""
     if "table" in content:
         raise StudyError("a plan of a table has no bounds: an optimisation needs plan.vary")
@@ -179,36 +149,35 @@ def _plan_of(context: Context, content: Mapping[str, Any]) -> Plan:
 class _Goals:
     """The section [optimise]. StudyError with all that is wrong with its numbers."""
 
-    def __init__(self, context: Context, content: Mapping[str, Any]) -> None:
-        self._units, self._findings = context.units, Findings()
+    def __init__(self, context: Context, content: Tables) -> None:
+        self._context, self._content, self._findings = context, content, Findings()
         self.objectives = dict(content["objectives"])
         self.numbers = {name: content[name] for name in NUMBERS if name in content}
         self.units: dict[str, str] = {}  # in which the file gives limits, by their text
-        self.constraints = {
-            text: self._range(text, limits) for text, limits in content.get("constraints", {}).items()
-        }
-        self.tolerances = {
-            name: self._deviation(name, each) for name, each in content.get("tolerances", {}).items()
-        }
-        self.start = {name: self._start(name, value) for name, value in content.get("start", {}).items()}
+        self.constraints = self._each("constraints", self._range)
+        self.tolerances = self._each("tolerances", self._deviation)
+        self.start = self._each("start", self._start)
         self._findings.refuse()
 
-    def _number(self, where: str, name: str, value: float | str) -> float | None:
-        return self._findings.attempt(number, where, name, value, self._units)
+    def _each(self, key: str, read: Callable[[str, Any], Made]) -> dict[str, Made]:
+        return {name: read(name, value) for name, value in self._content.get(key, {}).items()}
 
-    def _range(self, text: str, content: Mapping[str, Any]) -> Range:
+    def _number(self, where: str, name: str, value: float | str) -> float | None:
+        return self._findings.attempt(self._context.number, where, name, value)
+
+    def _range(self, text: str, content: Tables) -> Range:
         where, name = f"optimise: constraint {text}", text.partition("@")[0]
         if units := [unit for value in content.values() if (unit := unit_in(value))]:
             self.units[text] = units[-1]
         limits = {key: self._number(f"{where}: {key}", name, value) for key, value in content.items()}
         return limits.get("from"), limits.get("to")
 
-    def _deviation(self, name: str, content: Mapping[str, Any]) -> Deviation:
+    def _deviation(self, name: str, content: Tables) -> Deviation:
         half = self._number(f"optimise: tolerances: {name}: plus_minus", name, content["plus_minus"])
         return Deviation(math.nan if half is None else half, content.get("shape", "normal"))
 
     def _start(self, name: str, value: float | str) -> float | str:
-        if self._units.get(name, "1") is None or not unit_in(value):
+        if self._context.units.get(name, "1") is None or not unit_in(value):
             return value  # a whole number, or a text to choose from
         found = self._number(f"optimise: start: {name}", name, value)
         return value if found is None else found
@@ -224,7 +193,7 @@ def _problems_of_tolerances(context: Context, task: Optimisation, plan: Plan) ->
     ]
 
 
-def _units_of(content: Mapping[str, Any]) -> dict[str, str]:
+def _units_of(content: Tables) -> dict[str, str]:
     """The units in which the file gives the values of names."""
     found = {}
     vary = content.get("vary", {})

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -12,13 +12,6 @@ from dualcam.study.optimisation.search import TOLERANCE, Search
 ITERATIONS = 200  # of one search; with quadratic convergence ten to fifty are usual
 STOP = 1e-10  # relative change of the objective
 RETREAT = 10.0  # of a failed design's loss beyond the worst one, in scales of the objective
-
-
-class _Local(NamedTuple):
-    """Loss and constraints of a design, and their derivatives by the shares."""
-
-    slopes: Array  # (varied,)
-    constraint_slopes: Array  # (constraints, varied)
 
 
 def run(search: Search) -> None:
@@ -50,12 +43,12 @@ def descend(search: Search, start: Array) -> None:
         constraints = {
             "type": "ineq",
             "fun": lambda shares: -problem.excess(shares),
-            "jac": lambda shares: -problem.local(shares).constraint_slopes,
+            "jac": lambda shares: -problem.slopes(shares)[1],
         }
     minimize(
         problem.loss,
         start,
-        jac=lambda shares: problem.local(shares).slopes,
+        jac=lambda shares: problem.slopes(shares)[0],
         bounds=[(0.0, 1.0)] * len(start),
         constraints=constraints,
         method="SLSQP",
@@ -71,7 +64,6 @@ class _Problem:
         loss = float(search.scores(start[None, :]).losses[0, 0])
         self._scale = abs(loss) or 1.0
         self._worst = loss
-        self._last: tuple[bytes, _Local] | None = None
         self._excess = np.zeros(len(search.evaluator.limits))
 
     def loss(self, shares: Array) -> float:
@@ -88,16 +80,10 @@ class _Problem:
         self._excess = excess
         return excess + 0.1 * TOLERANCE  # the end shall be on this side of the limit
 
-    def local(self, shares: Array) -> _Local:
-        shares = np.clip(shares, 0.0, 1.0)
-        key = shares.tobytes()
-        if self._last is None or self._last[0] != key:
-            self._last = key, self._differences(shares)
-        return self._last[1]
-
-    def _differences(self, shares: Array) -> _Local:
-        """Of second order: central, or one-sided near a bound. A derivative is 0 where designs fail."""
-        step = self._search.task.difference
+    def slopes(self, shares: Array) -> tuple[Array, Array]:
+        """Derivatives of loss and constraints by the shares, shape (varied,) and (constraints, varied), of
+        second order: central, or one-sided near a bound. A derivative is 0 where designs fail."""
+        shares, step = np.clip(shares, 0.0, 1.0), self._search.task.difference
         places, weights = [], []
         for k, share in enumerate(shares):
             moves, factors = _stencil(share, step)
@@ -105,7 +91,7 @@ class _Problem:
             weights.append(factors)
         scores = self._search.scores(np.array(places))
         loss = _weighted(scores.losses[:, :1] / self._scale, weights)
-        return _Local(loss[:, 0], _weighted(scores.excess, weights).T)
+        return loss[:, 0], _weighted(scores.excess, weights).T
 
 
 def _stencil(share: float, step: float) -> tuple[tuple[float, ...], tuple[float, ...]]:

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import math
 import multiprocessing
-import pickle
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import suppress
 from functools import partial
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -20,11 +19,12 @@ from dualcam.errors import DualcamError
 from dualcam.fmi.library import source_path
 from dualcam.fmi.model_description import read_model_description
 from dualcam.fmi.reals import Array
-from dualcam.study.optimisation.fields import Design, FmuRuns, Function
+from dualcam.study.optimisation.designs import Design, FmuRuns, Function
 from dualcam.study.optimisation.task import Optimisation
 from dualcam.study.plan.plan import Plan
+from dualcam.study.plan.rows import values_of
 from dualcam.study.run.evaluator import Evaluator
-from dualcam.study.run.processes import refuse_in_a_daemon
+from dualcam.study.run.processes import check_processes
 from dualcam.study.run.runner import Block
 from dualcam.study.study import Study
 
@@ -32,14 +32,6 @@ if TYPE_CHECKING:
     from distributed import Client
 
 REFUSALS = (DualcamError, ArithmeticError, ValueError)  # of a function: this design is none
-
-
-class Model(Protocol):
-    """Gives results, shape (designs, results), for rows of values."""
-
-    def __call__(self, rows: Array) -> Block: ...
-
-    def close(self) -> None: ...
 
 
 def plan_of(task: Optimisation) -> Plan:
@@ -50,22 +42,16 @@ def plan_of(task: Optimisation) -> Plan:
     for name, deviation in task.tolerances.items():
         if name not in vary:
             vary[name] = deviation.distribution(nominal[name])
-    if not isinstance(task.model, FmuRuns):
-        return Plan("latin", vary, runs=1, same_as=task.same_as)
-    return Plan(
-        "latin",
-        vary,
-        runs=1,
-        same_as=task.same_as,
-        derived=task.model.derived,
-        constraints=task.model.conditions,
-        on_violation="mark",
-    )
+    model = task.model
+    formulas: Any = {}
+    if isinstance(model, FmuRuns):
+        formulas = {"derived": model.derived, "constraints": model.conditions, "on_violation": "mark"}
+    return Plan("latin", vary, runs=1, same_as=task.same_as, **formulas)
 
 
 def open_model(
     task: Optimisation, plan: Plan, workers: int = 0, scheduler: str | Client | None = None
-) -> Model:
+) -> Evaluator | FunctionModel:
     """The task's model for rows of these values. StudyError for what concerns every design."""
     if isinstance(task.model, FmuRuns):
         fixed = {name: value for name, value in task.model.parameters.items() if name not in plan.names}
@@ -80,12 +66,8 @@ def own_values(task: Optimisation) -> dict[str, float]:
     """The model's own values of what is designed, where these are numbers, and of what has a tolerance."""
     needed = [name for name in task.tolerances if name not in task.vary]
     if not isinstance(task.model, FmuRuns):
-        refuse(
-            [
-                f"optimise: tolerances: {name} does not vary: a function gets what varies only"
-                for name in needed
-            ]
-        )
+        unknown = "does not vary: a function gets what varies only"
+        refuse(f"optimise: tolerances: {name} {unknown}" for name in needed)
         return {}
     variables = read_model_description(source_path(task.model.fmu)).variables
     starts = {each.name: each.start for each in variables}
@@ -93,13 +75,8 @@ def own_values(task: Optimisation) -> dict[str, float]:
     for name in [*task.designed, *needed]:
         with suppress(TypeError, ValueError):  # no start value, or one that is no number
             found[name] = float(task.model.parameters.get(name, starts.get(name)))  # type: ignore[arg-type]
-    refuse(
-        [
-            f"optimise: tolerances: {name} is no number of the FMU{hint(name, starts)}"
-            for name in needed
-            if name not in found
-        ]
-    )
+    lacking = [name for name in needed if name not in found]
+    refuse(f"optimise: tolerances: {name} is no number of the FMU{hint(name, starts)}" for name in lacking)
     return found
 
 
@@ -110,13 +87,12 @@ class FunctionModel:
         self._function, self._plan, self._results = function, plan, list(results)
         self._processes: ProcessPoolExecutor | None = None
         if workers > 0:
-            refuse_in_a_daemon()
-            _check_sendable(function)
+            check_processes(function, "the model", "give a function of a module")
             self._processes = ProcessPoolExecutor(workers, multiprocessing.get_context("spawn"))
 
     def __call__(self, rows: Array) -> Block:
         attempt = partial(_attempt, self._function)
-        designs = [self._design(row) for row in rows.tolist()]
+        designs = [values_of(self._plan.names, row, self._plan.texts) for row in rows]
         try:
             given = list((self._processes.map if self._processes else map)(attempt, designs))
         except BrokenProcessPool as error:
@@ -134,17 +110,13 @@ class FunctionModel:
                 values[place] = self._chosen(one)
         return Block(values, messages)
 
-    def _design(self, row: Sequence[float]) -> Design:
-        design: Design = dict(zip(self._plan.names, row, strict=True))
-        return design | {name: texts[round(float(design[name]))] for name, texts in self._plan.texts.items()}
-
     def _chosen(self, given: object) -> list[float]:
         if not isinstance(given, Mapping):
             raise StudyError(f"the model returned {given!r:.60}: allowed is a dict of results by name")
         if lacking := [name for name in self._results if name not in given]:
+            allowed = ", ".join(map(str, given))
             raise StudyError(
-                f"the model gives no {', '.join(lacking)}: allowed are {', '.join(map(str, given))}, and "
-                "what varies"
+                f"the model gives no {', '.join(lacking)}: allowed are {allowed}, and what varies"
             )
         return [float(given[name]) for name in self._results]
 
@@ -160,13 +132,3 @@ def _attempt(function: Function, design: Design) -> Any:  # noqa: ANN401
     except REFUSALS as error:
         return str(error) or type(error).__name__
     return None if isinstance(given, str) else given
-
-
-def _check_sendable(function: Function) -> None:
-    try:
-        pickle.dumps(function)
-    except Exception as error:  # pickle has several for it
-        raise StudyError(
-            f"the model cannot be sent to other processes: {error}: allowed is a function of a module; or "
-            "use workers = 0"
-        ) from error

@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
+from contextlib import closing
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from dualcam.fmi.reals import Array
-
-if TYPE_CHECKING:
-    from dualcam.study.optimisation.fields import Design
-    from dualcam.study.optimisation.task import Optimisation
+from dualcam.study.optimisation.designs import Design, share_of
+from dualcam.study.optimisation.evaluation import DesignEvaluator
+from dualcam.study.optimisation.task import Optimisation
 
 ACTIVE = 1e-3  # a bound or a limit that is nearer than this share of the range or of the limit is active
+PLACES = (0.0, 0.25, 0.5, 0.75, 1.0)  # shares of the bounds
+UNCHANGED = 1e-7  # relative: an objective that changes by less is the same
 
 
 @dataclass(frozen=True)
@@ -78,9 +80,7 @@ class Optimum:
     def without_influence(self) -> list[str]:
         """Names of the designed values that change no objective, wherever they lie between their bounds while
         the others are those of the best design. Found by five further runs for each value."""
-        from dualcam.study.optimisation.influence import without_influence
-
-        return without_influence(self.task, self.design, list(self.objectives.values()))
+        return _without_influence(self.task, self.design, list(self.objectives.values()))
 
     @property
     def holding(self) -> list[str]:
@@ -95,8 +95,7 @@ class Optimum:
 
 
 def unbeaten(losses: Array) -> Array:
-    """Places of the designs that no other one beats: no loss above, one below. In order of the first loss.
-    Of equal designs the first."""
+    """Places of the designs that no other one beats, in order of the first loss; of equal ones the first."""
     order = np.lexsort(losses.T[::-1])  # a design is beaten by earlier ones only
     kept = np.empty_like(losses)
     places: list[int] = []
@@ -105,3 +104,20 @@ def unbeaten(losses: Array) -> Array:
             kept[len(places)] = losses[place]
             places.append(int(place))
     return np.array(places, dtype=np.intp)
+
+
+def _without_influence(task: Optimisation, design: Design, objectives: list[float]) -> list[str]:
+    """Names of what can be anywhere between its bounds without a change of an objective of the best design. A
+    value at which all runs fail is not among them."""
+    names = list(task.designed)
+    best = np.array([share_of(task.designed[name], design[name]) for name in names])
+    moved = np.tile(best, (len(names), len(PLACES), 1))
+    for k in range(len(names)):
+        moved[k, :, k] = PLACES
+    with closing(DesignEvaluator(task)) as evaluator:
+        found = evaluator.evaluate(moved.reshape(-1, len(names))).objectives
+    values = found.reshape(len(names), len(PLACES), -1)
+    failed = np.isnan(values).any(axis=2)
+    same = np.all(np.abs(values - objectives) <= UNCHANGED * np.abs(objectives), axis=2)
+    idle = np.all(same | failed, axis=1) & ~np.all(failed, axis=1)
+    return [name for name, is_idle in zip(names, idle, strict=True) if is_idle]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,9 +13,9 @@ import dualcam
 from dualcam.common.html_page import figure_element, page, table
 from dualcam.report.inputs import USUAL
 from dualcam.study.optimisation.design_files import fits_design_file
-from dualcam.study.optimisation.fields import share_of
+from dualcam.study.optimisation.designs import share_of
 from dualcam.study.optimisation.optimum import ACTIVE, Optimum
-from dualcam.study.optimisation.units import DIGITS, shown_bounds, unit_of, units_of
+from dualcam.study.optimisation.task import DIGITS, bounds_in_words, unit_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -29,26 +29,11 @@ METHODS = {
 }
 
 
-def write_page(found: Optimum, path: Path, title: str) -> Path:
+def write_page(found: Optimum, path: Path, title: str) -> None:
     """Write the page of a search."""
-    path.write_text(page_text(found, title), encoding="utf-8")
-    return path
-
-
-def page_text(found: Optimum, title: str) -> str:
-    """The page."""
-    units = units_of(found.task)
-    sections = [
-        _verdict(found, units),
-        _design(found, units),
-        _constraints(found, units),
-        _results(found, units),
-    ]
-    if len(found.task.objectives) > 1:
-        sections.append(_front(found, units))
-    sections += [_convergence(found, units), _next_steps(found), _search(found)]
+    parts = [_verdict, _design, _constraints, _results, _front, _convergence, _next_steps, _search]
     lead = f"Optimisation, by dualcam {dualcam.__version__}"
-    return page(title, "optimum", lead, "".join(sections))
+    path.write_text(page(title, "optimum", lead, "".join(part(found) for part in parts)), encoding="utf-8")
 
 
 def _numbers(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
@@ -60,11 +45,17 @@ def _number(value: float | str) -> str:
     return value if isinstance(value, str) else f"{value:.{DIGITS}g}"
 
 
-def _usual(value: float | str, unit: str) -> str:
+def _si(found: Optimum, name: str, value: float | str) -> str:
+    """A value of a name or of a formula, with the FMU's unit."""
+    return f"{_number(value)} {unit_of(found.task, name)}".strip()
+
+
+def _usual(found: Optimum, name: str, value: float | str) -> str:
+    unit = unit_of(found.task, name)
     if unit not in USUAL or isinstance(value, str):
         return ""
-    name, factor = USUAL[unit]
-    return f"{value * factor:.{DIGITS}g} {name}"
+    usual, factor = USUAL[unit]
+    return f"{value * factor:.{DIGITS}g} {usual}"
 
 
 def _kind(found: Optimum) -> str:
@@ -72,7 +63,7 @@ def _kind(found: Optimum) -> str:
     return f", for {found.task.percentile:g} % of the parts" if found.task.is_robust else ""
 
 
-def _verdict(found: Optimum, units: Mapping[str, str]) -> str:
+def _verdict(found: Optimum) -> str:
     head = "The best design keeps all constraints."
     if not found.feasible:
         head = (
@@ -80,11 +71,11 @@ def _verdict(found: Optimum, units: Mapping[str, str]) -> str:
         )
     elif len(found.task.objectives) > 1:
         head = (
-            f"{len(found.front[next(iter(found.task.objectives))])} designs are the front: no design is "
-            "better in all objectives. The design below is the one nearest to the best of each objective."
+            f"{_front_size(found)} designs are the front: no design is better in all objectives. The design "
+            "below is the one nearest to the best of each objective."
         )
     rows = [
-        (text, f"{_number(value)} {unit_of(text, units)}".strip(), found.task.objectives[text] + _kind(found))
+        (text, _si(found, text, value), found.task.objectives[text] + _kind(found))
         for text, value in found.objectives.items()
     ]
     missed = "".join(f'<li class="error">{escape(text)}</li>' for text in found.violated)
@@ -95,18 +86,17 @@ def _verdict(found: Optimum, units: Mapping[str, str]) -> str:
     )
 
 
-def _design(found: Optimum, units: Mapping[str, str]) -> str:
-    rows = []
-    for name, value in found.design.items():
-        unit = unit_of(name, units)
-        rows.append(
-            (name, f"{_number(value)} {unit}".strip(), _usual(value, unit), _bounds(found, name, value))
-        )
+def _design(found: Optimum) -> str:
+    rows = [
+        (name, _si(found, name, value), _usual(found, name, value), _bounds(found, name, value))
+        for name, value in found.design.items()
+    ]
     active = "".join(f"<li>{escape(text)}</li>" for text in found.holding)
-    held = f"<p>Active: a wider limit would give a better design.</p>\n<ul>{active}</ul>\n" if active else ""
-    none = "" if active else "<p>No bound and no constraint is active: the optimum lies inside.</p>\n"
+    held = "<p>No bound and no constraint is active: the optimum lies inside.</p>\n"
+    if active:
+        held = f"<p>Active: a wider limit would give a better design.</p>\n<ul>{active}</ul>\n"
     idle = "".join(f"<p>{escape(text)}.</p>\n" for text in found.idle_words())
-    return "<h2>Design</h2>\n" + _numbers(("value", "SI", "usual unit", "bounds"), rows) + held + none + idle
+    return "<h2>Design</h2>\n" + _numbers(("value", "SI", "usual unit", "bounds"), rows) + held + idle
 
 
 def _bounds(found: Optimum, name: str, value: float | str) -> str:
@@ -116,57 +106,66 @@ def _bounds(found: Optimum, name: str, value: float | str) -> str:
         return "follows from others"
     vary = found.task.designed[name]
     if vary.is_list:
-        return shown_bounds(found.task, name)
-    low, high = vary.limits()
+        return bounds_in_words(found.task, name)
     share = share_of(vary, value)
-    words = (
-        ", at the lower bound" if share < ACTIVE else ", at the upper bound" if share > 1.0 - ACTIVE else ""
-    )
-    return f"{_number(low)} to {_number(high)}{words}"
+    end = "lower" if share < ACTIVE else "upper" if share > 1.0 - ACTIVE else ""
+    return " to ".join(map(_number, vary.limits())) + (f", at the {end} bound" if end else "")
 
 
-def _constraints(found: Optimum, units: Mapping[str, str]) -> str:
+def _constraints(found: Optimum) -> str:
     if not found.task.constraints:
         return ""
     rows = []
     for text, value in found.constraints.items():
-        least, most = found.task.constraints[text]
-        limits = [f"at least {_number(least)}"] if least is not None else []
-        limits += [f"at most {_number(most)}"] if most is not None else []
-        rows.append((text, f"{_number(value)} {unit_of(text, units)}".strip(), " and ".join(limits)))
+        limits = zip(("at least", "at most"), found.task.constraints[text], strict=True)
+        allowed = [f"{words} {_number(limit)}" for words, limit in limits if limit is not None]
+        rows.append((text, _si(found, text, value), " and ".join(allowed)))
     return "<h2>Constraints</h2>\n" + _numbers(("constraint" + _kind(found), "value", "allowed"), rows)
 
 
-def _results(found: Optimum, units: Mapping[str, str]) -> str:
-    rows = []
-    for name, value in found.results.items():
-        unit = unit_of(name, units)
-        rows.append((name, f"{_number(value)} {unit}".strip(), _usual(value, unit)))
+def _results(found: Optimum) -> str:
+    rows = [
+        (name, _si(found, name, value), _usual(found, name, value)) for name, value in found.results.items()
+    ]
     exact = "<p>Of a part that is exactly as designed.</p>\n" if found.task.is_robust else ""
     return "<h2>Results of this design</h2>\n" + exact + _numbers(("result", "SI", "usual unit"), rows)
 
 
-def _front(found: Optimum, units: Mapping[str, str]) -> str:
+def _front(found: Optimum) -> str:
+    if len(found.task.objectives) == 1:
+        return ""
     texts = [*found.task.objectives, *found.task.designed]
-    count = len(found.front[texts[0]])
-    chosen = shown(found)
+    chosen = front_rows(found)
     rows = [(str(k + 1), *(_number(found.front[text][k]) for text in texts)) for k in chosen]
-    heads = ["design", *(f"{text} [{unit}]" if (unit := unit_of(text, units)) else text for text in texts)]
     return (
         "<h2>Front</h2>\n"
-        + figure_element(draw_front(found, units), "Front")
-        + f"<p>{len(chosen)} of {count} designs; front.csv has all of them.</p>\n"
-        + _numbers(heads, rows)
+        + figure_element(_front_figure(found), "Front")
+        + f"<p>{len(chosen)} of {_front_size(found)} designs; front.csv has all of them.</p>\n"
+        + _numbers(["design", *(_head(found, text) for text in texts)], rows)
     )
 
 
-def shown(found: Optimum) -> list[int]:
+def _front_size(found: Optimum) -> int:
+    return len(next(iter(found.front.values())))
+
+
+def front_rows(found: Optimum) -> list[int]:
     """Places of the designs of the front that the page shows, spread over it."""
-    count = len(next(iter(found.front.values())))
+    count = _front_size(found)
     return sorted({round(place) for place in np.linspace(0, count - 1, min(ROWS, count))})
 
 
-def draw_front(found: Optimum, units: Mapping[str, str]) -> Figure:
+def _head(found: Optimum, text: str) -> str:
+    """A name or a formula, with its unit."""
+    unit = unit_of(found.task, text)
+    return f"{text} [{unit}]" if unit else text
+
+
+def _label(found: Optimum, text: str) -> str:
+    return f"{_head(found, text)}\n{WAYS[found.task.objectives[text]]}"
+
+
+def _front_figure(found: Optimum) -> Figure:
     """The first objective against each other one."""
     from matplotlib.figure import Figure
 
@@ -175,38 +174,29 @@ def draw_front(found: Optimum, units: Mapping[str, str]) -> Figure:
     for axes, other in zip(np.ravel(figure.subplots(len(others), 1)), others, strict=True):
         axes.plot(found.front[first], found.front[other], ".", color="tab:red", label="front")
         axes.plot(found.objectives[first], found.objectives[other], "o", mfc="none", mec="k", label="chosen")
-        axes.set(xlabel=_label(found, first, units), ylabel=_label(found, other, units))
+        axes.set(xlabel=_label(found, first), ylabel=_label(found, other))
         axes.legend(fontsize=8)
     return figure
 
 
-def _label(found: Optimum, text: str, units: Mapping[str, str]) -> str:
-    unit = unit_of(text, units)
-    return f"{text}{f' [{unit}]' if unit else ''}\n{WAYS[found.task.objectives[text]]}"
-
-
-def _convergence(found: Optimum, units: Mapping[str, str]) -> str:
-    if len(found.history) == 0:
-        return ""
-    return "<h2>Convergence</h2>\n" + figure_element(draw_convergence(found, units), "Convergence")
-
-
-def draw_convergence(found: Optimum, units: Mapping[str, str]) -> Figure:
-    """The best first objective over the designs evaluated."""
+def _convergence(found: Optimum) -> str:
+    """The best first objective, or the hypervolume of the front, over the designs evaluated."""
     from matplotlib.figure import Figure
 
+    if len(found.history) == 0:
+        return ""
     figure = Figure(figsize=(5.4, 3.2), layout="constrained")
     axes = figure.subplots()
     count, best = found.history.T
     count, best = np.append(count, found.evaluated), np.append(best, best[-1])
     axes.step(count, best, where="post", color="tab:blue")
     axes.set_xscale("log")
-    label = _label(found, next(iter(found.task.objectives)), units)
+    label = _label(found, next(iter(found.task.objectives)))
     if len(found.task.objectives) > 1:
         label = "hypervolume of the front\nas a share of that at the end"
     axes.set(xlabel="designs evaluated", ylabel=label)
     axes.grid(alpha=0.3)
-    return figure
+    return "<h2>Convergence</h2>\n" + figure_element(figure, "Convergence")
 
 
 def _next_steps(found: Optimum) -> str:

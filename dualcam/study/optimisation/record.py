@@ -20,7 +20,7 @@ from filelock import FileLock
 
 from dualcam.common.mistakes import StudyError
 from dualcam.fmi.reals import Array
-from dualcam.study.optimisation.evaluation import EvaluatedDesigns
+from dualcam.study.optimisation.evaluation import ARRAYS, EvaluatedDesigns
 from dualcam.study.run.chunk import checksum
 from dualcam.study.store.storage import Folder, locked
 
@@ -50,9 +50,8 @@ class Record:
             raise
         except (OSError, ValueError, KeyError) as error:
             self.close()
-            raise StudyError(
-                f"{folder} cannot be used: {error}: give another folder, or delete it"
-            ) from error
+            text = f"{folder} cannot be used: {error}: give another folder, or delete it"
+            raise StudyError(text) from error
         self.resumed = sum(len(batch.shares) for batch in batches)
         self._known = iter(batches)
 
@@ -69,10 +68,8 @@ class Record:
             other = [key for key in facts if json.dumps(begun["task"].get(key)) != json.dumps(facts[key])]
             other += [key for key in versions if begun["versions"].get(key) != versions[key]]
             if other and (folder / BATCHES).exists():
-                raise StudyError(
-                    f"{folder} holds another search (other {', '.join(other)}): give another folder, or "
-                    "delete it"
-                )
+                why = f"holds another search (other {', '.join(other)})"
+                raise StudyError(f"{folder} {why}: give another folder, or delete it")
         text = json.dumps({"task": facts, "versions": versions}, indent=1)
         Folder(folder).write(FACTS, text.encode())
 
@@ -120,9 +117,7 @@ class Record:
 
 
 def _line(batch: EvaluatedDesigns) -> bytes:
-    arrays = {
-        name: getattr(batch, name).tolist() for name in ("shares", "results", "objectives", "constraints")
-    }
+    arrays = {name: getattr(batch, name).tolist() for name in ARRAYS}
     text = json.dumps(arrays | {"messages": batch.messages}).encode()
     return b"%s %s\n" % (checksum(text).encode(), text)
 
@@ -134,10 +129,7 @@ def _parsed(line: bytes) -> EvaluatedDesigns | None:
         if line.endswith(b"\n") and mark.decode() == checksum(text):
             read = json.loads(text)
             count = len(read["shares"])
-            shares, results, objectives, constraints = (
-                np.array(read[name], float).reshape(count, -1)
-                for name in ("shares", "results", "objectives", "constraints")
-            )
+            arrays = {name: np.array(read[name], float).reshape(count, -1) for name in ARRAYS}
             messages = {int(place): text for place, text in read["messages"].items()}
-            return EvaluatedDesigns(shares, results, objectives, constraints, messages)
+            return EvaluatedDesigns(**arrays, messages=messages)
     return None

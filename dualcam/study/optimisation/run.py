@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import hashlib
-import importlib.metadata
 from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager, suppress
+from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,28 +19,21 @@ from dualcam.common.entries import is_whole
 from dualcam.common.mistakes import StudyError
 from dualcam.fmi.library import source_path
 from dualcam.fmi.reals import Array
-from dualcam.study.optimisation import evolution, genetic, gradient
-from dualcam.study.optimisation.evaluation import DesignEvaluator
-from dualcam.study.optimisation.fields import FmuRuns
+from dualcam.study.optimisation import evolution, gradient
+from dualcam.study.optimisation.designs import FmuRuns
+from dualcam.study.optimisation.evaluation import DesignEvaluator, EvaluatedDesigns
 from dualcam.study.optimisation.optimum import ACTIVE, Optimum, unbeaten
 from dualcam.study.optimisation.record import Record
 from dualcam.study.optimisation.search import BudgetSpent, Search
-from dualcam.study.optimisation.task import Optimisation
-from dualcam.study.optimisation.units import shown
+from dualcam.study.optimisation.task import NUMBERS, Optimisation, in_words
 
 if TYPE_CHECKING:
     from distributed import Client
 
-RUNS = {"slsqp": gradient.run, "evolution": evolution.run, "nsga2": genetic.run}
+RUNS = {"slsqp": gradient.run, "evolution": evolution.differential_evolution, "nsga2": evolution.nsga2}
 CHECKS = 40  # of the front's hypervolume over the search
-NUMBERS = ("method", "budget", "population", "starts", "seed", "percentile", "samples", "difference")
 STATE = ("feasible", "message")  # of a design, beside its values
 BEYOND = 1.01  # reference point of the hypervolume, in extents of the front from its best corner
-PACKAGES = {
-    "slsqp": ("numpy", "scipy"),
-    "evolution": ("numpy", "scipy"),
-    "nsga2": ("numpy", "scipy", "pymoo"),
-}
 
 
 def optimise(
@@ -87,11 +80,13 @@ def optimise(
     """
     if not is_whole(workers) or workers < 0:
         raise StudyError(f"workers = {workers!r}: allowed is a whole number, 0 or more")
+    packages = ["numpy", "scipy"]
     if task.method_used == "nsga2":
-        genetic.load()
+        evolution.pymoo_classes()
+        packages.append("pymoo")
     place = None if folder is None else Path(folder)
     with closing(DesignEvaluator(task, workers, scheduler)) as evaluator:
-        record = Record(place, facts(task), _versions(task))
+        record = Record(place, facts(task), {name: version(name) for name in packages})
         with closing(record), _progress(console, task, record.resumed) as on_batch:
             search = Search(evaluator, record, on_batch)
             with suppress(BudgetSpent):
@@ -125,37 +120,29 @@ def facts(task: Optimisation) -> dict[str, Any]:
     }
 
 
-def _versions(task: Optimisation) -> dict[str, str]:
-    return {name: importlib.metadata.version(name) for name in PACKAGES[task.method_used]}
-
-
 def _optimum(search: Search, folder: Path | None) -> Optimum:
     task, evaluator = search.task, search.evaluator
-    messages = Counter(text for batch in search.batches for text in batch.messages.values())
+    whole = EvaluatedDesigns.joined(search.batches)
+    messages = Counter(whole.messages.values())
     if search.best is None:
         first = messages.most_common(1)[0][0]
         raise StudyError(f"none of {search.count} designs could be evaluated, most of them because: {first}")
-    shares, results, objectives, constraints = (
-        np.concatenate([getattr(batch, name) for batch in search.batches])
-        for name in ("shares", "results", "objectives", "constraints")
-    )
-    fit = search.feasible_places()
+    fit = np.array([place for place in range(search.count) if search.feasible(place)], np.intp)
     losses = np.array(search.losses)
     places = fit[unbeaten(losses[fit])] if len(fit) else np.array([search.best])
     if len(task.objectives) == 1:
         places = np.array([search.best])
     best = int(places[_nearest(losses[places])])
-    design = evaluator.design(shares[best])
-    designs = _designs(search, shares, results, objectives)
+    designs = _designs(search, whole)
     return Optimum(
         task=task,
-        design=design,
-        results=dict(zip(task.columns, results[best].tolist(), strict=True)),
-        objectives=dict(zip(task.objectives, objectives[best].tolist(), strict=True)),
-        constraints=_nearer(search, constraints[best], search.excess[best]),
+        design=evaluator.design(whole.shares[best]),
+        results=dict(zip(task.columns, whole.results[best].tolist(), strict=True)),
+        objectives=dict(zip(task.objectives, whole.objectives[best].tolist(), strict=True)),
+        constraints=_nearer(search, whole.constraints[best], search.excess[best]),
         feasible=len(fit) > 0,
-        active=[*_active_bounds(task, shares[best]), *_active_limits(search, best)],
-        violated=_violated(search, constraints[best], search.excess[best]),
+        active=[*_active_bounds(task, whole.shares[best]), *_active_limits(search, best)],
+        violated=_violated(search, whole.constraints[best], search.excess[best]),
         front={name: column[places] for name, column in designs.items() if name not in STATE},
         designs=designs,
         history=_history(search, losses, fit),
@@ -170,8 +157,8 @@ def _optimum(search: Search, folder: Path | None) -> Optimum:
 def _history(search: Search, losses: Array, fit: NDArray[np.intp]) -> Array:
     """Designs evaluated, and how good the best ones are."""
     if len(search.task.objectives) == 1:
-        way = 1.0 if next(iter(search.task.objectives.values())) == "minimise" else -1.0
-        return np.array([(count, loss * way) for count, loss in search.history], float).reshape(-1, 2)
+        sign = search.task.signs[0]
+        return np.array([(count, loss * sign) for count, loss in search.history], float).reshape(-1, 2)
     if len(fit) == 0:
         return np.empty((0, 2))
     front = losses[fit[unbeaten(losses[fit])]]
@@ -181,22 +168,22 @@ def _history(search: Search, losses: Array, fit: NDArray[np.intp]) -> Array:
     volumes = []
     for count in counts:
         scaled = (losses[fit[fit < count]] - best) / extent
-        volumes.append(genetic.hypervolume(scaled[np.all(scaled <= 1.0, axis=1)], BEYOND))
+        volumes.append(evolution.hypervolume(scaled[np.all(scaled <= 1.0, axis=1)], BEYOND))
     return np.column_stack([counts, np.array(volumes) / volumes[-1]])
 
 
-def _designs(search: Search, shares: Array, results: Array, objectives: Array) -> dict[str, Any]:
+def _designs(search: Search, whole: EvaluatedDesigns) -> dict[str, Any]:
     """All designs, as columns."""
     task, plan = search.task, search.evaluator.plan
-    rows = search.evaluator.rows(shares)
+    rows = search.evaluator.rows(whole.shares)
     columns: dict[str, Any] = {name: rows[:, plan.names.index(name)] for name in search.evaluator.chosen}
     for name, texts in plan.texts.items():
         columns[name] = np.array([texts[int(place)] for place in columns[name]], dtype=object)
-    columns |= {name: results[:, k] for k, name in enumerate(task.columns)}
-    columns |= {text: objectives[:, k] for k, text in enumerate(task.objectives)}
+    columns |= {name: whole.results[:, k] for k, name in enumerate(task.columns)}
+    columns |= {text: whole.objectives[:, k] for k, text in enumerate(task.objectives)}
     columns[STATE[0]] = np.array([int(search.feasible(place)) for place in range(search.count)])
-    messages = (batch.messages.get(k, "") for batch in search.batches for k in range(len(batch.shares)))
-    return columns | {STATE[1]: np.array(list(messages), dtype=object)}
+    messages = [whole.messages.get(place, "") for place in range(search.count)]
+    return columns | {STATE[1]: np.array(messages, dtype=object)}
 
 
 def _nearest(losses: Array) -> int:
@@ -222,17 +209,17 @@ def _active_bounds(task: Optimisation, shares: Array) -> list[str]:
             continue
         low, high = vary.limits()
         if share < ACTIVE:
-            found.append(f"{name} is at its lower bound, {shown(task, name, low)}")
+            found.append(f"{name} is at its lower bound, {in_words(task, name, low)}")
         if share > 1.0 - ACTIVE:
-            found.append(f"{name} is at its upper bound, {shown(task, name, high)}")
+            found.append(f"{name} is at its upper bound, {in_words(task, name, high)}")
     return found
 
 
 def _active_limits(search: Search, best: int) -> list[str]:
-    excess = search.excess[best]
+    task = search.task
     return [
-        f"{text} is at its {'greatest' if sign > 0.0 else 'least'} value, {shown(search.task, text, limit)}"
-        for (text, sign, limit), missed in zip(search.evaluator.limits, excess, strict=True)
+        f"{text} is at its {'greatest' if sign > 0.0 else 'least'} value, {in_words(task, text, limit)}"
+        for (text, sign, limit), missed in zip(search.evaluator.limits, search.excess[best], strict=True)
         if abs(missed) < ACTIVE
     ]
 
@@ -240,8 +227,8 @@ def _active_limits(search: Search, best: int) -> list[str]:
 def _violated(search: Search, values: Array, excess: Array) -> list[str]:
     task = search.task
     return [
-        f"{text} = {shown(task, text, value)}: allowed is {'at most' if sign > 0.0 else 'at least'} "
-        f"{shown(task, text, limit)}, which it misses by {shown(task, text, abs(value - limit), 3)}"
+        f"{text} = {in_words(task, text, value)}: allowed is {'at most' if sign > 0.0 else 'at least'} "
+        f"{in_words(task, text, limit)}, which it misses by {in_words(task, text, abs(value - limit), 3)}"
         for (text, sign, limit), value, missed in zip(search.evaluator.limits, values, excess, strict=True)
         if missed > 1e-6
     ]
@@ -269,6 +256,5 @@ def _best_words(search: Search) -> str:
         return f"{search.failed:,} failed"
     if not search.feasible(search.best):
         return "none keeps all constraints yet"
-    text, way = next(iter(search.task.objectives.items()))
-    sign = 1.0 if way == "minimise" else -1.0
-    return f"{text} = {sign * float(search.losses[search.best][0]):.6g}"
+    loss = float(search.losses[search.best][0])
+    return f"{next(iter(search.task.objectives))} = {search.task.signs[0] * loss:.6g}"

@@ -6,7 +6,6 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from dualcam.fmi.reals import Array
 from dualcam.study.optimisation.evaluation import DesignEvaluator, EvaluatedDesigns
@@ -37,14 +36,13 @@ class Search:
         on_batch: Callable[[Search], None] = lambda search: None,
     ) -> None:
         self.evaluator, self.task, self._record, self._on_batch = evaluator, evaluator.task, record, on_batch
-        ways = [1.0 if way == "minimise" else -1.0 for way in self.task.objectives.values()]
-        self._ways = np.array(ways)
         self._signs = np.array([sign for _, sign, _ in evaluator.limits])
         self._limits = np.array([limit for _, _, limit in evaluator.limits])
         self._scales = np.where(self._limits != 0.0, np.abs(self._limits), 1.0)
         self._places: dict[bytes, int] = {}
         self.batches: list[EvaluatedDesigns] = []
-        self.losses: list[Array] = []  # of each design
+        self.designs: list[Array] = []  # shares of the bounds of each design
+        self.losses: list[Array] = []
         self.excess: list[Array] = []
         self.history: list[tuple[int, float]] = []  # designs so far, best loss that keeps all constraints
         self.best: int | None = None  # place of the best design
@@ -69,15 +67,7 @@ class Search:
         losses = np.array([self.losses[place] for place in places])
         excess = np.array([self.excess[place] for place in places])
         shape = len(places), len(self._limits)  # also of no designs and no limits
-        return Scores(losses.reshape(len(places), len(self._ways)), excess.reshape(shape))
-
-    def shares(self, place: int) -> Array:
-        """A design, as shares of the bounds."""
-        for batch in self.batches:
-            if place < len(batch.shares):
-                return batch.shares[place]
-            place -= len(batch.shares)
-        raise IndexError(place)
+        return Scores(losses.reshape(len(places), len(self.task.signs)), excess.reshape(shape))
 
     def _evaluate(self, shares: Array) -> None:
         batch = self._record.next_known(shares)
@@ -86,7 +76,8 @@ class Search:
             self._record.append(batch)
         first = self.count
         self.batches.append(batch)
-        self.losses += list(batch.objectives * self._ways)
+        self.designs += list(shares)
+        self.losses += list(batch.objectives * self.task.signs)
         self.excess += list((batch.constraints * self._signs - self._limits * self._signs) / self._scales)
         self._places |= {row.tobytes(): first + k for k, row in enumerate(shares)}
         self.failed += len(batch.messages)
@@ -104,8 +95,7 @@ class Search:
                 self.history.append((place + 1, float(self.losses[place][0])))
 
     def _rank(self, place: int) -> tuple[float, float]:
-        violation = self.violation(place)
-        return violation, float(self.losses[place][0])
+        return self.violation(place), float(self.losses[place][0])
 
     def violation(self, place: int) -> float:
         """Sum of what a design misses of its constraints, as shares of the limits; 0 within TOLERANCE."""
@@ -115,7 +105,3 @@ class Search:
     def feasible(self, place: int) -> bool:
         """Whether a design could be evaluated and keeps all constraints."""
         return bool(np.all(np.isfinite(self.losses[place]))) and self.violation(place) == 0.0
-
-    def feasible_places(self) -> NDArray[np.intp]:
-        """All of these designs."""
-        return np.array([place for place in range(self.count) if self.feasible(place)], np.intp)

@@ -5,13 +5,12 @@ Morris, the search curves of FAST, the samples of Saltelli."""
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 
-from dualcam.common.mistakes import StudyError
+from dualcam.common.mistakes import optional_module
 from dualcam.fmi.reals import Array
 
 KINDS = ("grid", "random", "latin", "sobol", "indices", "saltelli", "morris", "fast", "table")
@@ -52,8 +51,7 @@ def problems(kind: str, runs: int, variables: int, second_order: bool, levels: i
 
 
 def shares(kind: str, runs: int, variables: int, seed: int, second_order: bool, levels: int) -> Array:
-    """The points of an arrangement, shape (count, variables), in [0, 1]; of "indices" those of both matrices,
-    shape (runs, 2 variables)."""
+    """The points, shape (count, variables), in [0, 1]; of "indices" of both matrices, (runs, 2 variables)."""
     from scipy.stats import qmc
 
     if kind in SALIB:
@@ -68,21 +66,14 @@ def shares(kind: str, runs: int, variables: int, seed: int, second_order: bool, 
 
 def _of_salib(kind: str, runs: int, variables: int, seed: int, second_order: bool, levels: int) -> Array:
     names = [f"x{place}" for place in range(variables)]
-    cube: dict[str, Any] = {"num_vars": variables, "names": names, "bounds": [[0.0, 1.0]] * variables}
-    if kind == "saltelli":
-        return np.asarray(
-            salib("sample.sobol").sample(cube, runs, calc_second_order=second_order, seed=seed), float
-        )
-    if kind == "morris":
-        return np.asarray(salib("sample.morris").sample(cube, runs, num_levels=levels, seed=seed), float)
-    return np.asarray(salib("sample.fast_sampler").sample(cube, runs, M=HARMONICS, seed=seed), float)
-
-
-def salib(module: str) -> Any:  # noqa: ANN401
-    """A module of SALib. StudyError if SALib is not installed."""
-    try:
-        return importlib.import_module(f"SALib.{module}")
-    except ImportError:
-        raise StudyError(
-            f"plans of kind {', '.join(SALIB)} need SALib: pip install SALib, or take kind = 'indices'"
-        ) from None
+    cube = {"num_vars": variables, "names": names, "bounds": [[0.0, 1.0]] * variables}
+    samplers: dict[str, tuple[str, dict[str, Any]]] = {
+        "saltelli": ("sobol", {"calc_second_order": second_order}),
+        "morris": ("morris", {"num_levels": levels}),
+        "fast": ("fast_sampler", {"M": HARMONICS}),
+    }
+    name, options = samplers[kind]
+    kinds = ", ".join(SALIB)
+    advice = f"plans of kind {kinds} need SALib: pip install SALib, or take kind = 'indices'"
+    module = optional_module(f"SALib.sample.{name}", advice)
+    return np.asarray(module.sample(cube, runs, seed=seed, **options), float)

@@ -72,7 +72,7 @@ class Correlation:
         for name in dict.fromkeys((self.first, self.second)):
             if name not in vary:
                 found.append(f"{name} does not vary{hint(name, vary)}")
-            elif vary[name].is_list and vary[name].texts is not None:
+            elif vary[name].texts is not None:
                 found.append(f"{name} varies over texts, which have no order: allowed are numbers")
         if not -1.0 < self.value < 1.0:
             found.append(f"{self.kind} = {self.value:g}: allowed is above -1 and below 1; use same_as for 1")
@@ -90,10 +90,9 @@ class Copula:
         matrix = np.eye(len(names))
         for each in correlations:
             i, j = names.index(each.first), names.index(each.second)
-            if each.kind == "rank":
-                matrix[i, j] = matrix[j, i] = 2.0 * math.sin(math.pi * each.value / 6.0)
-            else:
-                matrix[i, j] = matrix[j, i] = _nataf(vary, each)
+            is_rank = each.kind == "rank"
+            score = 2.0 * math.sin(math.pi * each.value / 6.0) if is_rank else _nataf(vary, each)
+            matrix[i, j] = matrix[j, i] = score
         eigenvalues, vectors = np.linalg.eigh(matrix)
         if eigenvalues[0] < LEAST_EIGENVALUE:
             raise StudyError(_contradiction(names, matrix, vectors[:, 0], eigenvalues[0]))
@@ -101,8 +100,7 @@ class Copula:
         self._factor = np.linalg.cholesky(matrix)
 
     def shares(self, independent: Array) -> Array:
-        """Shares with the correlation, of independent shares in (0, 1), shape (n, variables); each column is
-        uniform as before."""
+        """Shares with the correlation, of independent shares in (0, 1), shape (n, variables)."""
         from scipy.special import ndtr, ndtri
 
         return np.asarray(ndtr(ndtri(independent) @ self._factor.T))
@@ -126,10 +124,8 @@ def _nataf(vary: Mapping[str, Vary], wanted: Correlation) -> float:
     reached = _pearson(vary[wanted.first], vary[wanted.second])
     low, high = reached(-1.0 + 1e-9), reached(1.0 - 1e-9)
     if not low < wanted.value < high:
-        raise StudyError(
-            f"correlation of {wanted.first} and {wanted.second}: pearson = {wanted.value:g}: these "
-            f"distributions allow {low:.3f} to {high:.3f}"
-        )
+        found = f"correlation of {wanted.first} and {wanted.second}: pearson = {wanted.value:g}"
+        raise StudyError(f"{found}: these distributions allow {low:.3f} to {high:.3f}")
     return float(brentq(lambda rho: reached(rho) - wanted.value, -1.0 + 1e-9, 1.0 - 1e-9, xtol=1e-10))
 
 
@@ -142,12 +138,9 @@ def _pearson(one: Vary, other: Vary) -> Callable[[float], float]:
 
     nodes, weights = np.polynomial.hermite_e.hermegauss(NODES)
     weights = weights / weights.sum()
-    x = at(one, nodes)
-    mean_x = weights @ x
-    std_x = math.sqrt(weights @ (x - mean_x) ** 2)
-    y = at(other, nodes)
-    mean_y = weights @ y
-    std_y = math.sqrt(weights @ (y - mean_y) ** 2)
+    x, y = at(one, nodes), at(other, nodes)
+    mean_x, mean_y = weights @ x, weights @ y
+    std_x, std_y = (math.sqrt(weights @ (v - mean) ** 2) for v, mean in ((x, mean_x), (y, mean_y)))
 
     def correlation(rho: float) -> float:
         second = rho * nodes[:, None] + math.sqrt(1.0 - rho * rho) * nodes

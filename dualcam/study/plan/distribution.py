@@ -28,18 +28,8 @@ def names() -> list[str]:
 
 class Distribution:
     """A distribution of scipy.stats with its arguments by their names there, `mean` and `std` of "normal",
-    truncated to a range, whose ends are NaN where there is none.
-
-    StudyError for an unknown name, lacking or unknown arguments, values that the distribution does not allow,
-    or a range without probability.
-
-    Examples
-    --------
-    >>> from dualcam.study.plan.distribution import Distribution
-    >>> friction = Distribution("normal", {"mean": 0.14, "std": 0.02}, low=0.1)
-    >>> round(friction.share_below(0.14), 3)
-    0.488
-    """
+    truncated to a range, whose ends are NaN where there is none. StudyError for what is no such
+    distribution."""
 
     def __init__(
         self, name: str, arguments: Mapping[str, float], low: float = math.nan, high: float = math.nan
@@ -73,25 +63,20 @@ class Distribution:
         allowed = [*shapes, "loc"] if self.is_discrete else [*shapes, "loc", "scale"]
         needed = shapes if kind.name != "norm" else ["loc", "scale"]
         words = ["mean", "std"] if kind.name == "norm" else allowed
+        before, after = f"distribution {self.name}", f"allowed are {', '.join(words)}"
         if unknown := sorted(set(given) - set(allowed)):
-            raise StudyError(
-                f"distribution {self.name} has no argument {', '.join(unknown)}: allowed are "
-                f"{', '.join(words)}"
-            )
+            raise StudyError(f"{before} has no argument {', '.join(unknown)}: {after}")
         if lacking := [name for name in needed if name not in given]:
             back = {"loc": "mean", "scale": "std"} if kind.name == "norm" else {}
-            raise StudyError(
-                f"distribution {self.name} lacks {', '.join(back.get(n, n) for n in lacking)}: allowed are "
-                f"{', '.join(words)}"
-            )
+            raise StudyError(f"{before} lacks {', '.join(back.get(n, n) for n in lacking)}: {after}")
         if strange := [f"{name} = {value}" for name, value in given.items() if not math.isfinite(value)]:
-            raise StudyError(f"distribution {self.name}: {', '.join(strange)}: allowed are finite numbers")
+            raise StudyError(f"{before}: {', '.join(strange)}: allowed are finite numbers")
         with np.errstate(all="ignore"):
             frozen = kind(**given)
             middle = frozen.ppf(0.5)
         if not np.isfinite(middle):
             shown = ", ".join(f"{name} = {value:g}" for name, value in arguments.items())
-            raise StudyError(f"distribution {self.name} with {shown}: scipy.stats allows no such values")
+            raise StudyError(f"{before} with {shown}: scipy.stats allows no such values")
         return frozen
 
     @property
@@ -109,18 +94,15 @@ class Distribution:
         """Probability up to the ends of the range, of the whole distribution; from above if `_is_upper`."""
         if self._is_upper:
             return float(self._frozen.sf(self.high)), float(self._frozen.sf(self.low))
-        below = self.low - 1.0 if self.is_discrete and math.isfinite(self.low) else self.low
-        return float(
-            self._frozen.cdf(math.ceil(below) if self.is_discrete and math.isfinite(below) else below)
-        ), float(self._frozen.cdf(self.high))
+        below = math.ceil(self.low) - 1.0 if self.is_discrete and math.isfinite(self.low) else self.low
+        return float(self._frozen.cdf(below)), float(self._frozen.cdf(self.high))
 
     @property
     def _mass(self) -> float:
         return self._ends[1] - self._ends[0]
 
     def at(self, share: Array) -> Array:
-        """Quantiles at shares in [0, 1] of the truncated distribution; infinite where 0 or 1 has no finite
-        value."""
+        """Quantiles of the truncated distribution at shares in [0, 1]; infinite where there is no end."""
         low, mass = self._ends[0], self._mass
         if self._is_upper:
             found = self._frozen.isf(low + (1.0 - share) * mass)
@@ -129,8 +111,7 @@ class Distribution:
         return np.clip(np.asarray(found, float), self.low, self.high)
 
     def share_below(self, value: float, inclusive: bool = True) -> float:
-        """Share of the truncated distribution up to a value. `inclusive`: whether the value itself counts,
-        which matters for whole numbers only."""
+        """Share of the truncated distribution up to a value, which counts if `inclusive`."""
         at = value if inclusive or not self.is_discrete else math.ceil(value) - 1.0
         if at >= self.high:
             return 1.0
@@ -148,7 +129,4 @@ class Distribution:
             return 1.0
         if self._is_upper:
             return (float(self._frozen.sf(value)) - self._ends[0]) / self._mass
-        beyond = float(self._frozen.sf(value)) - (
-            0.0 if math.isinf(self.high) else float(self._frozen.sf(self.high))
-        )
-        return max(beyond, 0.0) / self._mass
+        return max(float(self._frozen.sf(value)) - float(self._frozen.sf(self.high)), 0.0) / self._mass

@@ -13,8 +13,9 @@ import numpy as np
 
 from dualcam.common.arrays import Array
 from dualcam.common.mistakes import refuse
-from dualcam.study.plan.check import problems_of_plan
-from dualcam.study.plan.fields import PlanFields
+from dualcam.study.plan import tables
+from dualcam.study.plan.fields import PlanFields, problems_of_plan
+from dualcam.study.plan.salib import problem_of, vary_of
 from dualcam.study.plan.sampler import Sampler
 
 
@@ -67,7 +68,7 @@ class Plan(PlanFields):
     each variable all of A with B's column of that variable.
 
     `rows(start, stop)` has one column for each of `names`, in the FMU's units. The column of a String has
-    places in `texts[name]`. `dualcam.study.run.row_values` says what a row means for its run.
+    places in `texts[name]`. `dualcam.study.plan.rows` says what a row means for its run.
 
     Examples
     --------
@@ -108,8 +109,6 @@ class Plan(PlanFields):
         StudyError
             The file is no table of numbers, or names a variable twice.
         """
-        from dualcam.study.plan import tables
-
         return cls.from_columns(tables.read_csv(Path(path), texts), Path(path).parent)
 
     @classmethod
@@ -131,8 +130,6 @@ class Plan(PlanFields):
         StudyError
             The file is no table of numbers and texts, or pyarrow is not installed.
         """
-        from dualcam.study.plan import tables
-
         return cls.from_columns(tables.read_parquet(Path(path)), Path(path).parent)
 
     @classmethod
@@ -163,8 +160,6 @@ class Plan(PlanFields):
         >>> plan.rows(0, 2).tolist(), plan.texts["cam1.table"][1]
         ([[50.0, 0.0], [60.0, 1.0]], 'b.csv')
         """
-        from dualcam.study.plan import tables
-
         vary, table = tables.places(columns, folder)
         return cls("table", vary, table=table)
 
@@ -207,16 +202,12 @@ class Plan(PlanFields):
         >>> Plan.from_salib(problem, "latin", runs=8).vary["cam1.friction"].distribution
         'norm'
         """
-        from dualcam.study.plan.salib import vary_of
-
         return cls(kind, vary_of(problem), runs, seed, **options)
 
     def salib_problem(self) -> dict[str, Any]:
         """The problem that SALib's analysers take together with the results of the runs: `num_vars`, `names`,
         `bounds` and `dists`. A list of values, and a distribution that SALib does not have, is described by
         its share in [0, 1]."""
-        from dualcam.study.plan.salib import problem_of
-
         return problem_of(self.vary)
 
     # ---- what the runs get ----

@@ -20,7 +20,7 @@ import numpy as np
 from dualcam.common.mistakes import StudyError
 from dualcam.common.tables import GROOVE_HEADER, fmu_text
 from dualcam.fmi.reals import Array
-from dualcam.study.plan.kept_files import kept_file
+from dualcam.study.plan.texts import kept_file
 
 POINTS_MAX = 2000  # of a table: the covariance matrix has the square of this
 POINTS_PER_LENGTH = 2.0  # of the correlation length; fewer would cut the error's bends
@@ -28,27 +28,13 @@ POINTS_PER_LENGTH = 2.0  # of the correlation length; fewer would cut the error'
 
 @dataclass(frozen=True)
 class RandomProfiles:
-    """`count` tables with a random error, each made where a run needs it: of the groove z(psi) [m, rad], with
-    the `deviation` of z [m] and the `correlation_length` [rad] of the error.
+    """`count` tables of the groove z(psi) with a random error, each made where a run needs it. StudyError for
+    numbers with which no such tables can be."""
 
-    StudyError for a number that is not above 0, points that are too far apart for the correlation length, or
-    tables that would fall: the message says which share.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from dualcam.study.plan.profiles import RandomProfiles
-    >>> psi = np.linspace(0.0, 0.8, 41)
-    >>> tables = RandomProfiles(psi, 0.02 * psi, deviation=1e-5, correlation_length=0.1, count=10)
-    >>> error = tables.height(3) - 0.02 * psi
-    >>> bool(np.abs(error).max() < 5e-5), len(tables)
-    (True, 10)
-    """
-
-    psi: Array
-    z: Array
-    deviation: float
-    correlation_length: float
+    psi: Array  # rad
+    z: Array  # m
+    deviation: float  # of z, m
+    correlation_length: float  # of the error, rad
     count: int
     seed: int = 0
 
@@ -75,18 +61,13 @@ class RandomProfiles:
         falling = sum(bool(np.any(np.diff(self.height(place)) < 0.0)) for place in range(self.count))
         if falling:
             slope = float((np.diff(self.z) / np.diff(self.psi)).min())
-            share = 100.0 * falling / self.count
+            share, bend = 100.0 * falling / self.count, self.deviation / self.correlation_length
             raise StudyError(
                 f"deviation = {self.deviation:g} m, correlation_length = {self.correlation_length:g} rad: "
                 f"{share:.3g} % of the tables would fall somewhere, which the FMU refuses. The slope of the "
-                f"error has the standard deviation {self._slope:.3g} m/rad, the least slope of the groove is "
+                f"error has the standard deviation {bend:.3g} m/rad, the least slope of the groove is "
                 f"{slope:.3g} m/rad: give a smaller deviation or a longer correlation length"
             )
-
-    @property
-    def _slope(self) -> float:
-        """Standard deviation of the slope of the error [m/rad]."""
-        return self.deviation / self.correlation_length
 
     @cached_property
     def _factor(self) -> Array:

@@ -11,30 +11,18 @@ from dualcam.common.mistakes import StudyError
 from dualcam.study.plan.vary import Vary
 
 
-def _triangle(low: float, high: float, peak: float) -> Vary:
-    return Vary(distribution="triang", arguments={"c": peak, "loc": low, "scale": high - low})
-
-
-def _truncated(low: float, high: float, mean: float, std: float) -> Vary:
-    return Vary(low, high, distribution="norm", arguments={"loc": mean, "scale": std})
-
-
-def _lognormal(mean: float, std: float) -> Vary:
-    return Vary(distribution="lognorm", arguments={"s": std, "scale": math.exp(mean)})
-
-
-def _weibull(shape: float, scale: float, start: float = 0.0) -> Vary:
-    return Vary(distribution="weibull_min", arguments={"c": shape, "scale": scale, "loc": start})
+def _law(distribution: str, low: float = math.nan, high: float = math.nan, **arguments: float) -> Vary:
+    return Vary(low, high, distribution=distribution, arguments=arguments)
 
 
 MADE: dict[str, Callable[..., Vary]] = {  # SALib.util._nonuniform_scale_samples says what the bounds are
     "unif": Vary,
     "logunif": lambda low, high: Vary(low, high, log=True),
-    "norm": lambda mean, std: Vary(distribution="norm", arguments={"loc": mean, "scale": std}),
-    "truncnorm": _truncated,
-    "triang": _triangle,
-    "lognorm": _lognormal,
-    "weibull": _weibull,
+    "norm": lambda mean, std: _law("norm", loc=mean, scale=std),
+    "truncnorm": lambda low, high, mean, std: _law("norm", low, high, loc=mean, scale=std),
+    "triang": lambda low, high, peak: _law("triang", c=peak, loc=low, scale=high - low),
+    "lognorm": lambda mean, std: _law("lognorm", s=std, scale=math.exp(mean)),
+    "weibull": lambda shape, scale, start=0.0: _law("weibull_min", c=shape, scale=scale, loc=start),
 }
 SHARE = ("unif", [0.0, 1.0])
 LENGTHS = {"triang": (3,), "truncnorm": (4,), "weibull": (2, 3)}
@@ -48,10 +36,8 @@ def vary_of(problem: Mapping[str, Any]) -> dict[str, Vary]:
     names, bounds = list(problem["names"]), list(problem["bounds"])
     dists = list(problem.get("dists") or ["unif"] * len(names))
     if not len(names) == len(bounds) == len(dists):
-        raise StudyError(
-            f"SALib problem with {len(names)} names, {len(bounds)} bounds, {len(dists)} dists: allowed is "
-            "one of each for each name"
-        )
+        found = f"SALib problem with {len(names)} names, {len(bounds)} bounds, {len(dists)} dists"
+        raise StudyError(f"{found}: allowed is one of each for each name")
     if len(set(problem.get("groups") or names)) < len(names):
         raise StudyError("SALib problem with groups: allowed are problems without groups")
     return {name: _made(name, kind, ends) for name, kind, ends in zip(names, dists, bounds, strict=True)}
@@ -60,8 +46,7 @@ def vary_of(problem: Mapping[str, Any]) -> dict[str, Vary]:
 def _made(name: str, kind: str, ends: Sequence[float]) -> Vary:
     if kind not in MADE:
         raise StudyError(f"SALib problem: {name}: dists = {kind!r}{hint(kind, MADE)}")
-    lengths = LENGTHS.get(kind, (2,))
-    if len(ends) not in lengths:
+    if len(ends) not in (lengths := LENGTHS.get(kind, (2,))):
         words = " or ".join(map(str, lengths))
         raise StudyError(f"SALib problem: {name}: bounds = {list(ends)}: {kind} has {words} numbers")
     return MADE[kind](*(float(end) for end in ends))
@@ -70,13 +55,8 @@ def _made(name: str, kind: str, ends: Sequence[float]) -> Vary:
 def problem_of(vary: Mapping[str, Vary]) -> dict[str, Any]:
     """The SALib problem of what varies. A list, and a distribution that SALib does not have, is its share in
     [0, 1], which serves the analysers but not SALib's samplers."""
-    pairs = [_dist(each) for each in vary.values()]
-    return {
-        "num_vars": len(vary),
-        "names": list(vary),
-        "bounds": [bounds for _, bounds in pairs],
-        "dists": [dist for dist, _ in pairs],
-    }
+    dists, bounds = zip(*map(_dist, vary.values()), strict=True)
+    return {"num_vars": len(vary), "names": list(vary), "bounds": list(bounds), "dists": list(dists)}
 
 
 def _dist(vary: Vary) -> tuple[str, list[float]]:

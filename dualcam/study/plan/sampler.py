@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from dualcam.common.mistakes import StudyError
 from dualcam.fmi.reals import Array
 from dualcam.study.plan import arrangements
-from dualcam.study.plan.constraints import any_of, in_order, violations
 from dualcam.study.plan.correlation import OPEN, Copula
 from dualcam.study.plan.fields import PlanFields
+from dualcam.study.plan.rows import in_order, violating
 
 TRIES = 1000  # draws of a run that violates a constraint
 AT_ONCE = 20  # of them
@@ -57,7 +57,7 @@ class Sampler:
     def _violated(self, rows: Array) -> NDArray[np.bool_]:
         """Which rows violate a constraint."""
         columns = dict(zip(self._plan.names, rows.T, strict=True))
-        return any_of(violations(self._plan.constraints, columns, len(rows)), len(rows))
+        return violating(self._plan.constraints, columns, len(rows))
 
     def _drawn(self, numbers: NDArray[np.int_]) -> Array:
         """The columns of `vary`, before constraints, of the runs of these numbers."""
@@ -111,9 +111,8 @@ class Sampler:
         try:
             return arrangements.shares(plan.kind, plan.runs, width, plan.seed, plan.second_order, plan.levels)
         except MemoryError:
-            raise StudyError(
-                f"plan: runs = {plan.runs}: their table does not fit into memory: take fewer, or a grid"
-            ) from None
+            why = "their table does not fit into memory: take fewer, or a grid"
+            raise StudyError(f"plan: runs = {plan.runs}: {why}") from None
 
     def _mixed(self, numbers: NDArray[np.int_]) -> Array:
         """Points of Saltelli's arrangement: A, B, then A with one column of B."""

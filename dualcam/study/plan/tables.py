@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -10,24 +9,17 @@ from typing import Any
 import numpy as np
 
 from dualcam.common.arrays import TRUTH, Array, real_array
-from dualcam.common.mistakes import StudyError
+from dualcam.common.mistakes import StudyError, optional_module
 from dualcam.common.tables import Converter, read_columns
 from dualcam.errors import TableError
 from dualcam.study.plan.texts import GivenTexts
 from dualcam.study.plan.vary import Vary
 
 
-def is_parquet(path: Path) -> bool:
-    """Whether the name of a file says that it is a Parquet file."""
-    return path.suffix.lower() in (".parquet", ".pq")
-
-
 def read_csv(
     path: Path, texts: Collection[str] = (), converted: Converter | None = None
 ) -> dict[str, Sequence[Any] | Array]:
-    """Columns by name; those of `texts` have texts. StudyError for a file that is no such table.
-
-    `converted` is that of `read_columns`."""
+    """Columns by name; those of `texts` have texts. StudyError for a file that is no such table."""
     try:
         return dict(read_columns(path, "table of runs", texts, converted))
     except TableError as error:
@@ -36,10 +28,8 @@ def read_csv(
 
 def read_parquet(path: Path) -> dict[str, Sequence[Any] | Array]:
     """Columns by name. StudyError for a file that is no Parquet file, or if pyarrow is not installed."""
-    try:
-        parquet = importlib.import_module("pyarrow.parquet")
-    except ImportError:
-        raise StudyError("a table in Parquet needs pyarrow: pip install pyarrow, or take CSV") from None
+    advice = "a table in Parquet needs pyarrow: pip install pyarrow, or take CSV"
+    parquet = optional_module("pyarrow.parquet", advice)
     try:
         table = parquet.read_table(path, use_threads=False, pre_buffer=False)
     except (OSError, ValueError) as error:
@@ -50,9 +40,7 @@ def read_parquet(path: Path) -> dict[str, Sequence[Any] | Array]:
 def places(
     columns: Mapping[str, Sequence[Any] | Array], folder: Path | None = None
 ) -> tuple[dict[str, Vary], Array]:
-    """What varies, and the table of a plan: of texts their places.
-
-    `folder` is where relative paths among the texts start."""
+    """What varies, and the table of a plan: of texts, as paths relative to `folder`, their places."""
     if len({len(values) for values in columns.values()}) > 1:
         lengths = ", ".join(f"{name} {len(values)}" for name, values in columns.items())
         raise StudyError(f"plan: columns of different lengths: {lengths}: allowed is one length")
@@ -63,7 +51,7 @@ def places(
             vary[name] = Vary(values=GivenTexts.of(different, folder))
             place = {text: float(k) for k, text in enumerate(different)}
             table.append(np.array([place[value] for value in values]))
-            continue
-        vary[name] = Vary()
-        table.append(real_array(values, f"plan: column {name}", StudyError, kinds=TRUTH))
+        else:
+            vary[name] = Vary()
+            table.append(real_array(values, f"plan: column {name}", StudyError, kinds=TRUTH))
     return vary, np.column_stack(table) if table else np.empty((0, 0))

@@ -83,20 +83,14 @@ class Vary:
         if len(self.weights) > 0:
             found.append("weights without values: allowed are weights of a list of values")
         is_given = bool(self.distribution) or not math.isnan(self.low + self.high)
-        if in_grid and is_given and not self._has_count:
+        has_count = is_whole(self.count) and self.count >= (1 if self.distribution else 2)
+        if in_grid and is_given and not has_count:
             found.append(f"count = {self.count!r}: a grid needs a whole number, 2 or more, or values")
         return found
 
-    @property
-    def _has_count(self) -> bool:
-        return is_whole(self.count) and self.count >= (1 if self.distribution else 2)
-
     def _problems_of_distribution(self) -> list[str]:
-        found = []
-        if self.log:
-            found.append(
-                f"distribution {self.distribution} with log = true: allowed is log for a range alone"
-            )
+        log = f"distribution {self.distribution} with log = true: allowed is log for a range alone"
+        found = [log] if self.log else []
         try:
             self.spread  # noqa: B018  made here for its checks
         except StudyError as error:
@@ -110,10 +104,8 @@ class Vary:
         if lacking := [word for word, end in (("from", self.low), ("to", self.high)) if math.isnan(end)]:
             return [f"lacks {' and '.join(lacking)}: allowed are from and to, values, or a distribution"]
         if not (math.isfinite(self.low) and math.isfinite(self.high) and self.low < self.high):
-            return [
-                f"from {self.low:g} to {self.high:g}: allowed are finite numbers, the first below the "
-                "second, or values"
-            ]
+            allowed = "allowed are finite numbers, the first below the second, or values"
+            return [f"from {self.low:g} to {self.high:g}: {allowed}"]
         if self.log and self.low <= 0.0:
             return [f"from {self.low:g} on a logarithmic scale: allowed is above 0"]
         return []
@@ -198,9 +190,8 @@ class Vary:
             return below + (self.spread.share_above(most) if math.isfinite(most) else 0.0)
         if self.is_list:
             outside = (self._numbers < least) | (self._numbers > most)
-            return float(
-                np.average(outside, weights=np.asarray(self.weights, float) if len(self.weights) else None)
-            )
+            weights = np.asarray(self.weights, float) if len(self.weights) else None
+            return float(np.average(outside, weights=weights))
         low, high = self.limits()
         if self.log:
             low, high, least, most = (math.log(x) if x > 0.0 else -math.inf for x in (low, high, least, most))
@@ -226,11 +217,9 @@ class Vary:
             return self._numbers[self._place(share)]
         if self.distribution:
             return self.spread.at(share)
-        if self.log:
-            grown = self.low * (self.high / self.low) ** share
-        else:
-            grown = self.low + (self.high - self.low) * share
-        return np.clip(grown, self.low, self.high)  # rounding must not leave the range
+        low, high = self.low, self.high
+        grown = low * (high / low) ** share if self.log else low + (high - low) * share
+        return np.clip(grown, low, high)  # rounding must not leave the range
 
     def _place(self, share: Array) -> Any:  # noqa: ANN401
         count = len(self.values)

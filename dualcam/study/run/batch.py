@@ -67,28 +67,13 @@ def loop_in_c() -> ctypes.CDLL | None:
 
 
 class Batch:
-    """The calls of a run, for C.
-
-    Parameters
-    ----------
-    library : ctypes.CDLL
-        That of the loop.
-    instance : Instance
-        The instance that makes the runs.
-    calls : sequence of partial
-        FMI functions with their arguments, and `copy`.
-    windows : iterable of Window
-        Buffers of the arguments that differ between runs.
-    """
+    """The calls of a run, for C: FMI functions of one instance with their arguments, and `copy`. `windows`
+    are the buffers of the arguments that differ between runs."""
 
     def __init__(
-        self,
-        library: ctypes.CDLL,
-        instance: Instance,
-        calls: Sequence[partial[int]],
-        windows: Iterable[Window],
+        self, loop: ctypes.CDLL, instance: Instance, calls: Sequence[partial[int]], windows: Iterable[Window]
     ) -> None:
-        self._make, self._instance = library.runs_make, instance
+        self._make, self._instance = loop.runs_make, instance
         self._kept: list[Any] = list(calls)  # what the calls point to
         self._lines = {id(window.pointer): window.lines for window in windows}
         self._calls = (RunsCall * len(calls))(*map(self._call, calls))
@@ -111,7 +96,7 @@ class Batch:
             found.numbers = self._numbers(tolerance.value, start.value)
         elif kind in (STEP2, STEP3):
             start, size = arguments[:2]
-            assert addressof(size) == addressof(start) + sizeof(c_double)  # dualcam.study.run.step_numbers
+            assert addressof(size) == addressof(start) + sizeof(c_double)  # dualcam.study.run.step_times
             found.numbers = addressof(start)
         elif kind != PLAIN:
             references, values = arguments[0], arguments[3 if kind == RATES2 else 2]
@@ -135,19 +120,8 @@ class Batch:
         return call
 
     def run(self, first: int, last: int) -> tuple[int, int, int]:
-        """Make runs up to one that fails, or one that gave a warning.
-
-        Parameters
-        ----------
-        first, last : int
-            Places in the batch, `last` excluded.
-
-        Returns
-        -------
-        tuple of int
-            The run that failed, the place of the call that failed, and its status; or the first run that is
-            not made yet, 0, and the status OK or Warning.
-        """
+        """Make the runs from `first` to before `last`, up to one that fails or gives a warning: that run, the
+        place of its call and the status; or the first run not made, 0, and the status OK or Warning."""
         end, component = self._end, self._instance.component
         while first < last:
             most = min(last, first + self._at_once)

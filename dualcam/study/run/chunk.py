@@ -14,7 +14,7 @@ import numpy as np
 from dualcam.fmi.fmu import Array
 from dualcam.study.plan.plan import Plan
 from dualcam.study.plan.texts import Texts
-from dualcam.study.run.results_wanted import Readings
+from dualcam.study.run.readings import Readings
 from dualcam.study.run.runner import Block, Job, run_rows
 from dualcam.study.store.encoding import Column, encoded
 from dualcam.study.store.storage import Storage
@@ -34,23 +34,19 @@ def checksum(content: bytes | memoryview) -> str:
 
 @dataclass(frozen=True)
 class Written:
-    """A file of runs that is there: its size [bytes], its checksum, the number of runs that failed, and when
-    the file changed last, as of `Storage.listing`. `content` travels to the study where the worker does not
-    see the folder."""
+    """A file of runs that is there. Its `content` travels where the worker does not see the folder."""
 
-    size: int
+    size: int  # bytes
     checksum: str
-    failed: int
-    changed: int | None = None
+    failed: int  # runs
+    changed: int | None = None  # as of `Storage.listing`
     content: bytes | None = field(default=None, repr=False)
 
 
 @dataclass(frozen=True)
 class Files:
-    """The files of runs of one study.
-
-    `mark` is a file in the folder, there while the study is run: a worker that does not see it sees another
-    folder, on a machine of its own, or none."""
+    """The files of runs of one study. `mark` is a file in the folder while the study is run: a worker that
+    does not see it sees another folder, on a machine of its own, or none."""
 
     storage: Storage
     file_format: str
@@ -83,17 +79,12 @@ class Files:
         for place, text in block.messages.items():
             messages[place] = text
         columns: dict[str, Column] = {"run": np.arange(runs.start, runs.stop)}
-        columns |= (varied := self.varied(rows))
+        columns |= (varied := varied_columns(self.plan.names, rows, self.plan.texts))
         columns |= self.readings.of(block.values, varied, list(block.messages))
         return encoded(columns | {"message": messages}, self.file_format, self._metadata)
 
-    def varied(self, rows: Array) -> dict[str, Column]:
-        """The columns of the plan: numbers, or the texts of Strings."""
-        return varied_columns(self.plan.names, rows, self.plan.texts)
-
     def write(self, runs: range, content: bytes | memoryview, failed: int) -> Written:
-        """The file of these runs is there; or the study gets the content. StudyError if it cannot be
-        written."""
+        """The file of these runs is there, or the study gets the content. StudyError if neither."""
         written = Written(len(content), checksum(content), failed)
         if not self.is_seen:
             return replace(written, content=bytes(content))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import math
 import time
 from collections import deque
@@ -14,7 +13,7 @@ from pathlib import Path
 from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Any
 
-from dualcam.common.mistakes import StudyError
+from dualcam.common.mistakes import StudyError, optional_module
 from dualcam.fmi.fmu import Array
 from dualcam.study.run.chunk import Answer, Order, Task
 from dualcam.study.run.runner import Block
@@ -28,19 +27,16 @@ NO_WORKERS_FOR = 30  # s, after that a cluster is given up
 COUNTED_EVERY = 1.0  # s
 GROUP_SECONDS = 1.0  # of orders that travel together: a message takes about a thousandth
 GROUP_MAX = 50  # orders
+Orders = list[tuple[int, Order]]  # with their places
 AHEAD = 2  # groups in flight for each worker: one that is made, one that waits
 
 
 def _distributed() -> Any:  # noqa: ANN401
-    try:
-        return importlib.import_module("distributed")
-    except ImportError:
-        raise StudyError('a scheduler needs dask.distributed: pip install "dualcam[study]"') from None
+    return optional_module("distributed", 'a scheduler needs dask.distributed: pip install "dualcam[study]"')
 
 
 def _in_cluster(name: str, orders: Sequence[Order]) -> tuple[list[Answer], float]:
-    """In a Dask worker: the answers, and the seconds that they took. The task is the one that the plugin
-    brought."""
+    """In a Dask worker: the answers of the task that the plugin brought, and their seconds."""
     task: Task = _distributed().get_worker().plugins[name].task
     begun = time.perf_counter()
     futures: list[Future[Answer]] = []
@@ -95,7 +91,7 @@ class Cluster(Workers):
 
     def answers(self, orders: Iterable[Order]) -> Answers:
         left = deque(enumerate(orders))
-        flying: dict[Any, list[tuple[int, Order]]] = {}
+        flying: dict[Any, Orders] = {}
         done: SimpleQueue[Any] = SimpleQueue()
         seconds = math.inf  # of an order
         try:
@@ -128,20 +124,16 @@ class Cluster(Workers):
 
     def _submitted(
         self, left: deque[tuple[int, Order]], room: int, seconds: float, done: SimpleQueue[Any]
-    ) -> dict[Any, list[tuple[int, Order]]]:
+    ) -> dict[Any, Orders]:
         """Groups of orders on their way, each long enough for its messages not to matter."""
-        groups: list[list[tuple[int, Order]]] = []
+        groups: list[Orders] = []
         while left and len(groups) < room:
             fair = len(left) // (2 * AHEAD * self.count())  # so that all workers have something to the end
             size = max(1, min(fair, int(GROUP_SECONDS / max(seconds, 1e-6)), GROUP_MAX))
             groups.append([left.popleft() for _ in range(min(size, len(left)))])
         return {self._submit(group, done): group for group in groups}
 
-    def _group_answers(
-        self,
-        future: Any,  # noqa: ANN401
-        group: list[tuple[int, Order]],
-    ) -> tuple[list[Answer], float] | None:
+    def _group_answers(self, future: Any, group: Orders) -> tuple[list[Answer], float] | None:  # noqa: ANN401
         """Answers and seconds. None if the group is to be made order by order, since its workers died."""
         try:
             found: tuple[list[Answer], float] = future.result()
@@ -168,7 +160,7 @@ class Cluster(Workers):
             ) from error
         self._is_sent = True
 
-    def _submit(self, group: Sequence[tuple[int, Order]], done: SimpleQueue[Any]) -> Any:  # noqa: ANN401
+    def _submit(self, group: Orders, done: SimpleQueue[Any]) -> Any:  # noqa: ANN401
         orders = [order for _, order in group]
         future = self._client.submit(_in_cluster, self._name, orders, pure=False)
         future.add_done_callback(done.put)
@@ -185,8 +177,7 @@ class Cluster(Workers):
         return block
 
     def _next(self, done: SimpleQueue[Any]) -> Any:  # noqa: ANN401
-        """The next future that is done. TimeoutError if there has been no worker for a while: one that comes
-        back is given the work anew."""
+        """The next future that is done. TimeoutError if there has been no worker for a while."""
         while True:
             with suppress(Empty):
                 return done.get(timeout=NO_WORKERS_FOR)

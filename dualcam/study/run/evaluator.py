@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,8 +12,8 @@ from dualcam.common.arrays import real_array
 from dualcam.common.mistakes import StudyError
 from dualcam.study.run.chunk import Task, varied_columns
 from dualcam.study.run.first_runs import check
+from dualcam.study.run.processes import workers_for
 from dualcam.study.run.runner import Block
-from dualcam.study.run.team import workers_for
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -56,9 +56,8 @@ class Evaluator:
         self.names = list(job.names)
         self.results = list(study.readings.columns)
         self._readings, self._texts = study.readings, study.plan.texts
-        self._workers = workers_for(
-            Task(job), check(job, study.plan, study.readings.used), workers, scheduler
-        )
+        runner = check(job, study.plan, study.readings.used)
+        self._workers = workers_for(Task(job), runner, workers, scheduler)
 
     def __enter__(self) -> Evaluator:
         return self
@@ -99,10 +98,6 @@ class Evaluator:
         count = self._workers.count()
         size = math.ceil(len(table) / (SHARES * count)) if count > 1 else len(table)
         orders = [table[start : start + size] for start in range(0, len(table), size)]
-        blocks = dict(self._workers.answers(orders))
-        joined = Block(np.empty((0, len(self._readings.raw))), {})
-        for place in range(len(orders)):
-            block = blocks[place]
-            assert isinstance(block, Block)
-            joined = Block.joined(joined, block)
+        blocks = cast(dict[int, Block], dict(self._workers.answers(orders)))
+        joined = Block.joined([blocks[place] for place in range(len(orders))])
         return Block(self._readings.table(joined.values, varied, list(joined.messages)), joined.messages)

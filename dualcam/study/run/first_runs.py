@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 import warnings
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator
 
 import numpy as np
 
@@ -30,13 +30,19 @@ def check(job: Job, plan: Plan, used: Collection[str] = ()) -> Runner:
     `used`: names that formulas of results use. StudyError with all that the FMU refuses."""
     variables = Variables.of_fmu(job.path)
     refuse(problems_with_fmu(variables, plan, job, used))
-    for text in unused_tables(variables, plan, job.parameters):
-        warnings.warn(DualcamWarning(text), stacklevel=4)
     runner = Runner(job)
     try:
         rows = plan.rows(0, LOOKED_AT)
-        _warn_of_period(job, rows)
-        refuse([*_problems_of_texts(runner, job, rows), *_problem_of_scenarios(runner, job, rows)])
+        doubts = [*_unused_tables(variables, plan, job), *_uneven_periods(job, rows)]
+        problems = _problems_of_texts(runner, job, rows)
+        if failed := runner.steps.groups(rows)[1] if job.scenario.names else {}:
+            share = "all" if len(failed) == len(rows) else percent(len(failed) / len(rows))
+            place, text = next(iter(failed.items()))
+            said = f"{share} of the first {len(rows):,} runs are refused, such as run {place}: {text}"
+            (problems if share == "all" else doubts).append(said)
+        for text in doubts:
+            warnings.warn(DualcamWarning(text), stacklevel=4)
+        refuse(problems)
     except BaseException:
         runner.close()
         raise
@@ -55,36 +61,21 @@ def takes_less_than(limit: float, runner: Runner, plan: Plan, left: int) -> bool
     return seconds / min(tried, plan.count) * left < limit
 
 
-def unused_tables(variables: Variables, plan: Plan, parameters: Mapping[str, object]) -> list[str]:
+def _unused_tables(variables: Variables, plan: Plan, job: Job) -> Iterator[str]:
     """Groove tables that vary, and that no run reads: one text each."""
-    found = []
     for table, profile in PROFILES.items():
         if table not in plan.names or profile not in variables.by_name or profile in plan.names:
             continue
-        value = parameters.get(profile, variables.by_name[profile].start)
+        value = job.parameters.get(profile, variables.by_name[profile].start)
         if value != TABLE.number:
-            found.append(
+            yield (
                 f"plan: {table} varies, and no run reads the tables: {profile} = {value}. Give "
                 f'"{profile}" = {TABLE.number} in parameters'
             )
-    return found
 
 
-def _problem_of_scenarios(runner: Runner, job: Job, rows: Array) -> list[str]:
-    """What is wrong if the numbers of no run are a scenario; a warning if those of some are none."""
-    failed = runner.steps.groups(rows)[1] if job.scenario.names else {}
-    if not failed:
-        return []
-    place, text = next(iter(failed.items()))
-    said = f"of the first {len(rows):,} runs are refused, such as run {place}: {text}"
-    if len(failed) == len(rows):
-        return [f"all {said}"]
-    warnings.warn(DualcamWarning(f"{percent(len(failed) / len(rows))} {said}"), stacklevel=4)
-    return []
-
-
-def _warn_of_period(job: Job, rows: Array) -> None:
-    """Warns where the controller's last period does not end with the run."""
+def _uneven_periods(job: Job, rows: Array) -> Iterator[str]:
+    """A text where the controller's last period does not end with the run."""
     scenario = job.scenario
     if scenario.controller is None:
         return
@@ -100,12 +91,9 @@ def _warn_of_period(job: Job, rows: Array) -> None:
     where = "" if len(uneven) == len(rows) else f", {percent(len(uneven) / len(rows))}, such as run {run}"
     fault = "is longer than" if count[run] < 1.0 else "does not divide"
     last = math.floor(count[run]) * period[run]
-    warnings.warn(
-        DualcamWarning(
-            f"scenario{where}: controller.period = {period[run]:.6g} s {fault} the run of {stop[run]:.6g} s."
-            f" The law is asked for the last time at {last:.6g} s, {stop[run] - last:.6g} s before the end"
-        ),
-        stacklevel=4,
+    yield (
+        f"scenario{where}: controller.period = {period[run]:.6g} s {fault} the run of {stop[run]:.6g} s."
+        f" The law is asked for the last time at {last:.6g} s, {stop[run] - last:.6g} s before the end"
     )
 
 

@@ -1,5 +1,4 @@
-"""What concerns many runs is told before the first one: names, types and values that the FMU does not have or
-allow, and which share of the runs it would refuse."""
+"""What an FMU does not have or allow, and which share of the runs it would refuse: told before the first."""
 
 from __future__ import annotations
 
@@ -64,9 +63,6 @@ def problems_with_fmu(variables: Variables, plan: Plan, job: Job, used: Collecti
     return findings.problems
 
 
-# ---- names ----
-
-
 def _of_names(variables: Variables, plan: Plan, job: Job, used: Collection[str]) -> Iterator[str]:
     """Names that are no variables of the FMU serve formulas; formulas use names that vary."""
     scenario = job.scenario
@@ -75,10 +71,8 @@ def _of_names(variables: Variables, plan: Plan, job: Job, used: Collection[str])
     missing = [name for name in scenario.names if name not in plan.names]
     unknown = [name for name in plan.names if name not in known]
     for name in unknown:
-        yield (
-            f"plan: {name} is no variable of the FMU, and no formula uses {name}"
-            f"{hint(name, [*missing, *variables.by_name])}"
-        )
+        near = hint(name, [*missing, *variables.by_name])
+        yield f"plan: {name} is no variable of the FMU, and no formula uses {name}{near}"
     control = scenario.controller
     for_law = set(control.arguments.values()) if control else set()
     for name in scenario.names:
@@ -88,29 +82,22 @@ def _of_names(variables: Variables, plan: Plan, job: Job, used: Collection[str])
             yield f"scenario: a formula uses {name}, which is a text: allowed are numbers"
 
 
-# ---- values ----
-
-
-def _not_set(variable: Variable) -> str:
-    return (
-        f"{variable.name} is {variable.causality}, it cannot be set: allowed are parameters, inputs, and "
-        "what starts from a value that is exact"
-    )
-
-
-def _is_start_value(variable: Variable) -> bool:
-    """FMI 2.0, section 2.2.7: may be set in initialization mode."""
+def _problem_of_start(variable: Variable) -> list[str]:
+    """Why a variable has no start value. FMI 2.0, section 2.2.7: may be set in initialization mode."""
     exact = variable.initial == "exact" and variable.variability != "constant"
-    return exact or variable.causality in ("parameter", "input")
+    if exact or variable.causality in ("parameter", "input"):
+        return []
+    allowed = "parameters, inputs, and what starts from a value that is exact"
+    return [f"{variable.name} is {variable.causality}, it cannot be set: allowed are {allowed}"]
 
 
 def _of_varied(variable: Variable, plan: Plan) -> list[str]:
     name = variable.name
-    if not _is_start_value(variable):
-        return [_not_set(variable)]
+    if problem := _problem_of_start(variable):
+        return problem
     if variable.kind == "string":
-        given = [] if name in plan.texts else ['allowed are values = ["...", "..."]']
-        return [f"plan: {name} is a String: {text}" for text in given]
+        needed = f'plan: {name} is a String: allowed are values = ["...", "..."]'
+        return [] if name in plan.texts else [needed]
     if name in plan.texts:
         return [f"plan: {name} is {variable.type}: allowed are numbers, given are texts"]
     found = _of_range(variable, plan)
@@ -148,18 +135,15 @@ def _of_range(variable: Variable, plan: Plan) -> list[str]:
         if share == 0.0:
             return []
         values = plan.rows(0, LOOKED_AT)[:, plan.names.index(name)]
-        return [
-            f"plan: {name}, derived, is {values.min():g} to {values.max():g}: {allowed}; {refused}. Change "
-            "the formula, or add a constraint"
-        ]
+        found = f"plan: {name}, derived, is {values.min():g} to {values.max():g}: {allowed}; {refused}"
+        return [f"{found}. Change the formula, or add a constraint"]
     if source is not None and source.distribution and plan.kind != "table":
         if share * plan.count < RUNS_REFUSED:
             return []
-        ends = [("from", least, "-inf"), ("to", most, "inf")]
-        give = " and ".join(f"{word} = {end:g}" for word, end, none in ends if f"{end:g}" != none)
-        return [
-            f"plan: {name}, distribution {source.distribution}: {refused}: {allowed}. Truncate: give {give}"
-        ]
+        ends = (("from", least), ("to", most))
+        give = " and ".join(f"{word} = {end:g}" for word, end in ends if math.isfinite(end))
+        found = f"plan: {name}, distribution {source.distribution}: {refused}: {allowed}"
+        return [f"{found}. Truncate: give {give}"]
     low, high = plan.limits()[name]
     if low < least or high > most:
         return [f"plan: {name} from {low:g} to {high:g}: {allowed}{f'; {refused}' if share > 0.0 else ''}"]
@@ -177,8 +161,8 @@ def _check_parameters(variables: Variables, plan: Plan, job: Job, findings: Find
             continue
         if name in plan.names:
             findings.note(f"{name} varies and is fixed too: allowed is one of them")
-        elif not _is_start_value(variable):
-            findings.note(_not_set(variable))
+        elif problem := _problem_of_start(variable):
+            findings.note(*problem)
         else:
             number = findings.attempt(suitable_value, variable, value)
             least, most = _range(variable)
@@ -186,17 +170,14 @@ def _check_parameters(variables: Variables, plan: Plan, job: Job, findings: Find
                 findings.note(f"parameters: {name} = {value}: the FMU allows {least:g} to {most:g}")
 
 
-# ---- results and inputs ----
-
-
 def _check_results(variables: Variables, job: Job, findings: Findings) -> None:
     if not job.results:
         findings.note("the study reads nothing: name at least one result")
     for name in dict.fromkeys(result.partition("@")[0] for result in job.results):
         findings.attempt(variables.variable, name, *NUMERIC)
-    stop = job.scenario.stop
+    stop = math.inf if isinstance(job.scenario.stop, str) else job.scenario.stop
     for result in job.results:
-        findings.attempt(instants, [result], math.inf if isinstance(stop, str) else stop)
+        findings.attempt(instants, [result], stop)
 
 
 def _check_inputs(variables: Variables, plan: Plan, job: Job, findings: Findings) -> None:

@@ -1,4 +1,4 @@
-"""Workers that are processes of this machine."""
+"""Workers that are processes of this machine, and the choice among all workers."""
 
 from __future__ import annotations
 
@@ -14,13 +14,17 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from multiprocessing.connection import Connection, wait
 from queue import SimpleQueue
-from typing import cast
+from typing import TYPE_CHECKING, cast
 
 from dualcam.common.mistakes import StudyError
 from dualcam.fmi.fmu import Array
 from dualcam.study.run.chunk import Answer, Order, Task
-from dualcam.study.run.runner import Block
-from dualcam.study.run.workers import AHEAD, Answers, Died, Workers
+from dualcam.study.run.cluster import Cluster
+from dualcam.study.run.runner import Block, Runner
+from dualcam.study.run.workers import AHEAD, Answers, Died, InThisProcess, Workers
+
+if TYPE_CHECKING:
+    from distributed import Client
 
 GRACE = 2.0  # s, for a process that is sent home in the middle of something
 Made = Callable[[], Answer] | Exception  # runs whose file is not written yet
@@ -107,8 +111,7 @@ def _finish(made: SimpleQueue[Made | None], answers: Connection) -> None:
 
 
 def _listen(orders: Connection, waiting: SimpleQueue[Order | None]) -> None:
-    """In a worker: orders are taken while it computes. Ends it where the study is over or its process
-    was killed."""
+    """In a worker: orders are taken while it computes. Ends it where the study is over."""
     with suppress(EOFError, OSError):
         while True:
             waiting.put(order := orders.recv())
@@ -124,8 +127,7 @@ class Processes(Workers):
 
     def __init__(self, task: Task, count: int) -> None:
         super().__init__(task)
-        refuse_in_a_daemon()
-        _check_sendable(task)
+        check_processes(task.job, "this study", "let a function of a module make the controller")
         self._most = count
         self._team: list[_Worker] = []
 
@@ -184,6 +186,14 @@ class Processes(Workers):
         return cast(Block, made[1])
 
 
+def workers_for(task: Task, runner: Runner, count: int, scheduler: str | Client | None = None) -> Workers:
+    """`count` processes, or this process with its `runner` for 0; or those of a Dask scheduler."""
+    if scheduler is None and count == 0:
+        return InThisProcess(task, runner)
+    runner.close()
+    return Processes(task, count) if scheduler is None else Cluster(task, scheduler)
+
+
 def _occupy(worker: _Worker, left: deque[tuple[int, Order]], most: int) -> None:
     while left and len(worker.given) < most:
         worker.give(*left[0])
@@ -202,20 +212,15 @@ def in_a_daemon() -> bool:
     return multiprocessing.current_process().daemon
 
 
-def refuse_in_a_daemon() -> None:
-    """StudyError in a process that may start no others."""
+def check_processes(thing: object, name: str, remedy: str) -> None:
+    """StudyError where this process may start no others, or where no other one can get a thing."""
     if in_a_daemon():
         raise StudyError(
             "this process is a daemon of multiprocessing, such as a worker of its Pool, and may start no"
             " processes: use workers = 0"
         )
-
-
-def _check_sendable(task: Task) -> None:
     try:
-        pickle.dumps(task.job)
+        pickle.dumps(thing)
     except Exception as error:  # pickle has several for it
-        raise StudyError(
-            f"this study cannot be sent to other processes: {error}: let a function of a module make the "
-            "controller, or use workers = 0"
-        ) from error
+        why = f"cannot be sent to other processes: {error}"
+        raise StudyError(f"{name} {why}: {remedy}, or use workers = 0") from error

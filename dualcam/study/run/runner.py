@@ -31,11 +31,11 @@ from dualcam.fmi.instance import OK_OR_WARNING, References
 from dualcam.fmi.model_description import Scalar
 from dualcam.fmi.reals import Array
 from dualcam.scenario.scenario import Controller, Scenario
-from dualcam.study.plan.constraints import violations
+from dualcam.study.plan.rows import values_of, violated_by, violating
 from dualcam.study.plan.texts import Texts
 from dualcam.study.run.batch import Batch, Window, copy, loop_in_c
-from dualcam.study.run.row_values import values_of, violated_by
-from dualcam.study.run.step_numbers import FIRST, Arrangement, Key, StepNumbers
+from dualcam.study.run.step_numbers import StepNumbers
+from dualcam.study.run.step_times import FIRST, Arrangement, Key
 
 FATAL = 4  # FMI's status from which an instance cannot be used any more
 IN_C_FROM = 3  # runs of one layout: to lay the calls out for C takes as long as some runs from Python
@@ -47,7 +47,7 @@ Call = Callable[[], int]
 class Job:
     """What every worker needs to know. `content` is the FMU itself where the workers may not see its path.
 
-    dualcam.study.run.row_values says what a row means for its run."""
+    dualcam.study.plan.rows says what a row means for its run."""
 
     path: str
     names: Sequence[str]  # of the columns of a row: variables of the FMU, and others for formulas
@@ -62,8 +62,7 @@ class Job:
 
 @dataclass
 class Block:
-    """Results of consecutive runs, shape (runs, results); what failed, by place: a message, and NaN as
-    results."""
+    """Results of runs, shape (runs, results); those that failed, by place: a message, and NaN as results."""
 
     values: Array
     messages: dict[int, str]
@@ -73,9 +72,16 @@ class Block:
         return cls(np.full((1, width), np.nan), {0: message})
 
     @classmethod
-    def joined(cls, first: Block, second: Block) -> Block:
-        moved = {len(first.values) + place: text for place, text in second.messages.items()}
-        return cls(np.concatenate([first.values, second.values]), first.messages | moved)
+    def joined(cls, blocks: Sequence[Block]) -> Block:
+        values = [block.values for block in blocks]
+        return cls(np.concatenate(values), joined_messages(values, [block.messages for block in blocks]))
+
+
+def joined_messages(parts: Sequence[Array], messages: Sequence[Mapping[int, str]]) -> dict[int, str]:
+    """Messages by their places in all parts, of those by their places in each."""
+    starts = np.cumsum([0, *map(len, parts)]).tolist()
+    pairs = zip(starts, messages, strict=False)
+    return {start + place: text for start, own in pairs for place, text in own.items()}
 
 
 @dataclass
@@ -101,7 +107,7 @@ class Runner:
         self.job = job
         self._saves_state = saves_state
         self._loop = loop_in_c() if in_c and job.scenario.controller is None else None
-        self._layout: _Layout | None = None
+        self._used: _Layout | None = None
         self._kept: dict[str, list[Any]] = {}  # texts of the batch, by the name of the String
         self._open()
         if not job.scenario.names:
@@ -114,28 +120,27 @@ class Runner:
         self._component = self._instance.component
         self._state: FmuState | None = None
         self._layouts: dict[Key, _Layout] = {}
-        interface = self._fmu.interface
-        self.steps = StepNumbers(
-            self.job.scenario,
-            self.job.results,
-            self.job.names,
-            self.job.texts,
-            interpolates=interface.can_interpolate_inputs,
-            fixed=not interface.can_handle_variable_steps,
-        )
+        job, interface = self.job, self._fmu.interface
+        kind = interface.can_interpolate_inputs, not interface.can_handle_variable_steps
+        self.steps = StepNumbers(job.scenario, job.results, job.names, job.texts, *kind)
         known = set(self._fmu.names)
-        self.columns = [name for name in self.job.names if name in known]
+        self.columns = [name for name in job.names if name in known]
         self._enter()
-        if self._layout is not None:
-            self._lay_out(self._layout)
+        if self._used is not None:
+            self._lay_out(self._used)
 
     def close(self) -> None:
         self._fmu.close()
 
     @property
+    def _layout(self) -> _Layout:
+        """The layout that is in use."""
+        assert self._used is not None
+        return self._used
+
+    @property
     def calls(self) -> list[Call]:
         """The calls of a run of the arrangement that was used last."""
-        assert self._layout is not None
         return self._layout.calls
 
     # ---- the list of calls ----
@@ -163,12 +168,12 @@ class Runner:
             if len(self._layouts) >= self.LAYOUTS:
                 self._layouts.pop(next(iter(self._layouts)))
             self._lay_out(layout)
-        self._layout = layout
+        self._used = layout
         return layout
 
     def _lay_out(self, layout: _Layout) -> None:
         """Its calls, on its buffers if it has some: for an instance that replaces another one in a batch."""
-        self._layouts[layout.arrangement.key] = self._layout = layout
+        self._layouts[layout.arrangement.key] = self._used = layout
         arrangement, control = layout.arrangement, self.job.scenario.controller
         layout.reads, layout.batch = [], None
         calls = [self._copy_numbers(arrangement)] if self.job.scenario.names else []
@@ -196,10 +201,8 @@ class Runner:
         for name, value in self.job.parameters.items():  # one by one: what is refused is named
             fmu._set(name, value)
         instance.allow_calls()
-        self._enter_calls = [
-            self._call(name, *arguments)
-            for name, arguments in instance.initialization_calls(self.job.scenario.tolerance)
-        ]
+        calls = instance.initialization_calls(self.job.scenario.tolerance)
+        self._enter_calls = [self._call(name, *arguments) for name, arguments in calls]
         if self._saves_state and all(call() <= OK_OR_WARNING for call in self._enter_calls):
             with suppress(FmuError):  # it says that it can, but cannot now: then without
                 self._state = fmu.save_state()
@@ -221,7 +224,6 @@ class Runner:
 
     def _window(self, key: str, kind: Any, width: int) -> Window:  # noqa: ANN401
         """The same one for an instance that replaces another one in the middle of a batch."""
-        assert self._layout is not None
         return self._layout.windows.setdefault(key, Window.of(kind, self.BATCH, width))
 
     def _by_kind(self, names: Sequence[str]) -> dict[str, list[str]]:
@@ -273,11 +275,9 @@ class Runner:
     def _read(self, places: Sequence[int]) -> list[Call]:
         calls = []
         names = [self.job.results[place].partition("@")[0] for place in places]
-        by_kind = self._by_kind(names)
-        for kind in by_kind:
+        for kind in self._by_kind(names):
             chosen = [k for k in range(len(names)) if self._fmu.variable(names[k]).type == kind]
             window = self._window(f"get {places[chosen[0]]}", self._instance.CTYPES[kind], len(chosen))
-            assert self._layout is not None
             self._layout.reads.append((window, [places[k] for k in chosen]))
             calls.append(self._access("Get", kind, [names[k] for k in chosen], window.pointer))
         return calls
@@ -324,9 +324,9 @@ class Runner:
 
     def _run(self, rows: Array) -> Block:
         values, messages = np.full((len(rows), len(self.job.results)), np.nan), self._violations(rows)
-        for start in range(0, len(rows), self.BATCH):
-            batch = np.arange(start, min(start + self.BATCH, len(rows)))
-            wanted = batch if not messages else batch[[place not in messages for place in batch.tolist()]]
+        kept = np.delete(np.arange(len(rows)), list(messages))
+        for start in range(0, len(kept), self.BATCH):
+            wanted = kept[start : start + self.BATCH]
             if not self.job.scenario.names:
                 self._run_places(rows, wanted, values, messages)
                 continue
@@ -343,17 +343,14 @@ class Runner:
         names, constraints = self.job.names, self.job.constraints
         if not constraints:
             return {}
-        found = violations(constraints, dict(zip(names, rows.T, strict=True)), len(rows))
-        return {
-            int(place): "; ".join(violated_by(constraints, values_of(names, rows[place], self.job.texts)))
-            for place in np.flatnonzero(np.any(list(found.values()), axis=0))
-        }
+        found = violating(constraints, dict(zip(names, rows.T, strict=True)), len(rows))
+        values = {int(k): values_of(names, rows[k], self.job.texts) for k in np.flatnonzero(found)}
+        return {place: "; ".join(violated_by(constraints, each)) for place, each in values.items()}
 
     def _run_places(
         self, rows: Array, places: NDArray[np.intp], values: Array, messages: dict[int, str]
     ) -> None:
         """The runs of some rows, a batch at most, in the layout that is in use."""
-        assert self._layout is not None
         failed = self._run_batch(rows[places])
         for window, columns in self._layout.reads:
             values[places[:, None], columns] = window.lines[: len(places)]
@@ -362,7 +359,6 @@ class Runner:
             messages[int(places[place])] = text
 
     def _run_batch(self, rows: Array) -> dict[int, str]:
-        assert self._layout is not None
         for kind, names in self._by_kind(self.columns).items():
             columns = [self.job.names.index(name) for name in names]
             lines = self._layout.windows[f"set {kind}"].lines
@@ -391,7 +387,6 @@ class Runner:
 
     def _go(self, place: int, stop: int) -> tuple[int, str]:
         """Runs from `place` on, up to the first that fails: its place and why; `stop` if none does."""
-        assert self._layout is not None
         if self._loop is None or stop - place < IN_C_FROM:
             return self._go_by_python(place, stop)
         layout = self._layout
@@ -412,7 +407,6 @@ class Runner:
 
     def _go_by_python(self, place: int, stop: int) -> tuple[int, str]:
         """The same, with the calls of each run one by one."""
-        assert self._layout is not None
         tracks = [window.track() for window in self._layout.windows.values()]
         calls, messages = self._layout.calls, self._instance.messages
         try:
@@ -477,9 +471,8 @@ def _unpacked(job: Job) -> Fmu:
         try:
             path.write_bytes(job.content)
         except OSError as error:
-            raise FmuError(
-                f"the FMU cannot be unpacked into {directory}: {error.strerror or error}"
-            ) from error
+            text = f"the FMU cannot be unpacked into {directory}: {error.strerror or error}"
+            raise FmuError(text) from error
         return Fmu(path)
 
 

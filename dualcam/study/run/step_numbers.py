@@ -1,90 +1,30 @@
-"""Steps of runs as numbers in one buffer: runs of the same steps differ in these numbers alone.
-
-The FMI calls of a run are laid out once for each arrangement of steps, on the views of a buffer. A row of the
-plan is then a line of numbers that is copied into the buffer before the first call."""
+"""The steps of the runs of a scenario, for the rows of a plan: runs of one arrangement differ in numbers."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from ctypes import c_double, sizeof
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from dualcam.common.mistakes import StudyError
 from dualcam.fmi.reals import Array
 from dualcam.scenario.formula import formula
-from dualcam.scenario.history import History, Number, names_in, numbers_in
+from dualcam.scenario.history import Number, names_in, numbers_in
 from dualcam.scenario.scenario import Scenario, Step, instants
+from dualcam.study.plan.rows import values_of
 from dualcam.study.plan.texts import Texts
-from dualcam.study.run.row_values import values_of
-from dualcam.study.run.step_times import AT_ONE_INSTANT, FIRST, has_points, steps_of_rows
-
-Key = tuple[Any, ...]
-
-
-@dataclass(frozen=True)
-class Arrangement:
-    """Which calls the steps make, and the views on their numbers: times, sizes, inputs and their rates.
-
-    `steps` are those of one run. `read_after` has for each result the step after which it is read; -1: before
-    the first step."""
-
-    steps: tuple[Step, ...]
-    read_after: tuple[int, ...]
-
-    @cached_property
-    def buffer(self) -> Any:  # noqa: ANN401
-        """The numbers, an array of c_double."""
-        numbers = numbers_of(self.steps)
-        return (c_double * len(numbers))(*numbers)
-
-    @cached_property
-    def key(self) -> Key:
-        """Equal for runs that make the same calls."""
-        return key_of(self.steps, self.read_after)
-
-    def view(self, place: int, part: str) -> Any:  # noqa: ANN401
-        """The numbers of a step as C has them, a view on `buffer`: "time", "size", "values" or "rates"."""
-        start = sum(_length(step) for step in self.steps[:place])
-        step = self.steps[place]
-        at, count = {
-            "time": (0, 0),
-            "size": (1, 0),
-            "values": (2, len(step.values)),
-            "rates": (2 + len(step.values), len(step.rates)),
-        }[part]
-        kind = c_double * count if part in ("values", "rates") else c_double
-        return kind.from_buffer(self.buffer, (start + at) * sizeof(c_double))
-
-
-def _length(step: Step) -> int:
-    return 2 + len(step.values) + len(step.rates)
-
-
-def numbers_of(steps: Sequence[Step]) -> list[float]:
-    """The numbers of all steps, one after another."""
-    found: list[float] = []
-    for step in steps:
-        found += [step.time, step.size, *step.values.values(), *step.rates.values()]
-    return found
-
-
-def key_of(steps: Sequence[Step], read_after: Sequence[int]) -> Key:
-    """Equal for runs that make the same calls."""
-    return tuple(read_after), tuple((step.control, tuple(step.values), tuple(step.rates)) for step in steps)
-
-
-@dataclass(frozen=True)
-class Group:
-    """Runs of one arrangement: their places among the rows, and a line of numbers for each."""
-
-    arrangement: Arrangement
-    places: NDArray[np.intp]
-    numbers: Array
+from dualcam.study.run.step_times import (
+    AT_ONE_INSTANT,
+    FIRST,
+    Arrangement,
+    Group,
+    Key,
+    groups_of_rows,
+    has_points,
+    numbers_of,
+)
 
 
 class StepNumbers:
@@ -121,28 +61,24 @@ class StepNumbers:
         return tuple(steps), tuple(read_after)
 
     def groups(self, rows: Array) -> tuple[list[Group], dict[int, str]]:
-        """The runs of rows as of `Plan.rows` by their arrangements, and by their places those that are no
-        scenario: why."""
+        """The runs of rows by their arrangements; by their places those that are no scenario: why."""
         if self._is_linear:
             return self._linear_group(rows)
         if has_points(self.scenario, self._interpolates, self._fixed):
             return self._groups_by_points(rows)
         columns = [self.names.index(name) for name in self.scenario.names]
-        different, which = np.unique(rows[:, columns], axis=0, return_inverse=True)
-        first = np.zeros(len(different), int)
-        first[which[::-1]] = np.arange(len(rows))[::-1]
+        different, first, which = np.unique(rows[:, columns], axis=0, return_index=True, return_inverse=True)
         by_key: dict[Key, tuple[Arrangement, list[int], list[list[float]]]] = {}
         failed: dict[int, str] = {}
         for place, line in enumerate(first):
             try:
-                steps, read_after = self._steps(self._scenario_of(rows[line]))
+                arrangement = self.arrangement(self._scenario_of(rows[line]))
             except StudyError as error:
                 failed |= dict.fromkeys(np.flatnonzero(which == place).tolist(), "; ".join(error.problems))
                 continue
-            key = key_of(steps, read_after)
-            entry = by_key.setdefault(key, (Arrangement(steps, read_after), [], []))
-            entry[1].append(place)
-            entry[2].append(numbers_of(steps))
+            _, members, numbers = by_key.setdefault(arrangement.key, (arrangement, [], []))
+            members.append(place)
+            numbers.append(numbers_of(arrangement.steps))
         groups = []
         for arrangement, members, numbers in by_key.values():
             order = np.full(len(different), -1)
@@ -159,10 +95,7 @@ class StepNumbers:
         control = self.scenario.controller
         assert control is not None
         columns = dict(zip(self.names, rows.T, strict=True))
-        found = [
-            formula(each).numbers(columns, len(rows)) if isinstance(each, str) else np.full(len(rows), each)
-            for each in control.arguments.values()
-        ]
+        found = [numbers_in(each, columns, len(rows)) for each in control.arguments.values()]
         return np.column_stack(found) if found else np.empty((len(rows), 0))
 
     # ---- many runs at once ----
@@ -181,43 +114,16 @@ class StepNumbers:
     @cached_property
     def _formulas(self) -> list[str]:
         """Of the values of inputs, each once: equal ones keep a step without a slope."""
-        found: list[str] = []
-
-        def note(text: str) -> float:
-            found.append(text)
-            return 0.0
-
-        self._replaced(note, float)
-        return list(dict.fromkeys(found))
-
-    def _replaced(
-        self, of_formula: Callable[[str], float], of_number: Callable[[float], float]
-    ) -> dict[str, History]:
-        """The inputs with other values."""
-
-        def other(number: Number) -> float:
-            return of_formula(number) if isinstance(number, str) else of_number(float(number))
-
-        return {
-            name: replace(
-                history,
-                value=[other(number) for number in history.value],
-                mean=other(history.mean),
-                amplitude=other(history.amplitude),
-            )
-            for name, history in self.scenario.inputs.items()
-        }
+        inputs = self.scenario.inputs.values()
+        numbers = [number for each in inputs for number in (*each.value, each.mean, each.amplitude)]
+        return list(dict.fromkeys(number for number in numbers if isinstance(number, str)))
 
     @cached_property
     def _line_and_matrix(self) -> tuple[Arrangement, Array, Array]:
         """The arrangement, the numbers where all formulas are 0, and what each formula adds for 1."""
-        samples = [self._sample(self._replaced(lambda text: 0.0, float))]
-        for wanted in self._formulas:
-
-            def unit(text: str, one: str = wanted) -> float:
-                return float(text == one)
-
-            samples.append(self._sample(self._replaced(unit, lambda number: 0.0)))
+        zeros = dict.fromkeys(self._formulas, 0.0)
+        samples = [self._sample(zeros, keeps_numbers=True)]
+        samples += [self._sample(zeros | {text: 1.0}, keeps_numbers=False) for text in self._formulas]
         rates = [
             list(dict.fromkeys(key for sample in samples for key in sample[0][k].rates))
             for k in range(len(samples[0][0]))
@@ -234,7 +140,23 @@ class StepNumbers:
         matrix = np.array([numbers_of(steps) for steps in added]).reshape(len(added), len(line))
         return Arrangement(tuple(whole[0]), samples[0][1]), line, matrix
 
-    def _sample(self, inputs: Mapping[str, History]) -> tuple[tuple[Step, ...], tuple[int, ...]]:
+    def _sample(
+        self, values: Mapping[str, float], keeps_numbers: bool
+    ) -> tuple[tuple[Step, ...], tuple[int, ...]]:
+        """The steps where formulas have these values; other numbers stay, or are 0."""
+
+        def other(number: Number) -> float:
+            return values[number] if isinstance(number, str) else float(number) * keeps_numbers
+
+        inputs = {
+            name: replace(
+                history,
+                value=[other(number) for number in history.value],
+                mean=other(history.mean),
+                amplitude=other(history.amplitude),
+            )
+            for name, history in self.scenario.inputs.items()
+        }
         control = self.scenario.controller
         still = replace(control, arguments={}) if control else None
         return self._steps(replace(self.scenario, inputs=inputs, controller=still))
@@ -257,12 +179,8 @@ class StepNumbers:
         def evaluate(number: Number) -> Array:
             return numbers_in(number, columns, len(rows))
 
-        found, refused = steps_of_rows(self.scenario, self.results, evaluate, len(rows))
-        failed = {int(place): self._why_not(rows[place]) for place in refused}
-        groups = [
-            Group(Arrangement(each.steps, each.read_after), each.places, each.numbers) for each in found
-        ]
-        return groups, failed
+        groups, refused = groups_of_rows(self.scenario, self.results, evaluate, len(rows))
+        return groups, {int(place): self._why_not(rows[place]) for place in refused}
 
     def _why_not(self, row: Array) -> str:
         try:

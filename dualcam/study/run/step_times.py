@@ -1,12 +1,19 @@
-"""Steps of many runs at once, whose inputs are lines or smooth curves between points at times that vary.
+"""Steps of runs as numbers in one buffer: runs of the same steps differ in these numbers alone.
 
-The same as `Scenario.steps` for each run, computed with arrays: a line for each run."""
+The FMI calls of a run are laid out once for each arrangement of steps, on the views of a buffer. A row of the
+plan is then a line of numbers that is copied into the buffer before the first call.
+
+Where inputs are lines or smooth curves between points at times that vary, the steps of many runs, the same as
+`Scenario.steps` for each, are computed with arrays: a line for each run."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from ctypes import c_double, sizeof
 from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,28 +22,78 @@ from dualcam.fmi.reals import Array
 from dualcam.scenario.history import ORDER, History, Number
 from dualcam.scenario.scenario import SAME_TIME, Scenario, Step, instants, source_of
 
+Key = tuple[Any, ...]
 Evaluate = Callable[[Number], Array]  # a number or a formula as an array, shape (runs,)
 AT_ONE_INSTANT = 1e-9  # share of a step by which a reading may miss the end of the step
 FIRST = -1  # of a result that is read before the first step
 
 
+@dataclass(frozen=True)
+class Arrangement:
+    """Which calls the steps make, and the views on their numbers: times, sizes, inputs and their rates.
+
+    `steps` are those of one run. `read_after` has for each result the step after which it is read; -1: before
+    the first step."""
+
+    steps: tuple[Step, ...]
+    read_after: tuple[int, ...]
+
+    @cached_property
+    def buffer(self) -> Any:  # noqa: ANN401
+        """The numbers, an array of c_double."""
+        numbers = numbers_of(self.steps)
+        return (c_double * len(numbers))(*numbers)
+
+    @cached_property
+    def key(self) -> Key:
+        """Equal for runs that make the same calls."""
+        calls = tuple((step.control, tuple(step.values), tuple(step.rates)) for step in self.steps)
+        return self.read_after, calls
+
+    @cached_property
+    def _begins(self) -> list[int]:
+        """Where the numbers of each step begin."""
+        return np.cumsum([0, *(2 + len(step.values) + len(step.rates) for step in self.steps)]).tolist()
+
+    def view(self, place: int, part: str) -> Any:  # noqa: ANN401
+        """The numbers of a step as C has them, a view on `buffer`: "time", "size", "values" or "rates"."""
+        start, step = self._begins[place], self.steps[place]
+        at, count = {
+            "time": (0, 0),
+            "size": (1, 0),
+            "values": (2, len(step.values)),
+            "rates": (2 + len(step.values), len(step.rates)),
+        }[part]
+        kind = c_double * count if part in ("values", "rates") else c_double
+        return kind.from_buffer(self.buffer, (start + at) * sizeof(c_double))
+
+
+def numbers_of(steps: Sequence[Step]) -> list[float]:
+    """The numbers of all steps, one after another."""
+    found: list[float] = []
+    for step in steps:
+        found += [step.time, step.size, *step.values.values(), *step.rates.values()]
+    return found
+
+
+@dataclass(frozen=True)
+class Group:
+    """Runs of one arrangement: their places among the rows, and a line of numbers for each."""
+
+    arrangement: Arrangement
+    places: NDArray[np.intp]
+    numbers: Array
+
+
+# ---- many runs at once ----
+
+
 def has_points(scenario: Scenario, interpolates: bool, fixed: bool) -> bool:
-    """Whether `steps_of_rows` can lay out the runs of a scenario."""
+    """Whether `groups_of_rows` can lay out the runs of a scenario."""
     points = all(each.derivative_of or each.shape != "sine" for each in scenario.inputs.values())
     control = scenario.controller
     asks_vary = control is not None and (isinstance(control.period, str) or isinstance(scenario.stop, str))
     return points and interpolates and not fixed and not asks_vary
-
-
-@dataclass(frozen=True)
-class StepRows:
-    """Steps of runs that make the same calls: which rows these are, the steps of the first of them, for each
-    result the step after which it is read (-1: before the first step), and the numbers of each run."""
-
-    places: NDArray[np.intp]
-    steps: tuple[Step, ...]
-    read_after: tuple[int, ...]
-    numbers: Array
 
 
 class _Curve:
@@ -113,16 +170,18 @@ def _derivatives_of_spline(width: Array, slope: Array) -> Array:
     return np.stack([speed[:, :-1], 2.0 * ((slope - speed[:, :-1]) / width - bend), 6.0 * bend / width])
 
 
-def steps_of_rows(
+def groups_of_rows(
     scenario: Scenario, results: Sequence[str], evaluate: Evaluate, count: int
-) -> tuple[list[StepRows], NDArray[np.intp]]:
+) -> tuple[list[Group], NDArray[np.intp]]:
     """The steps of `count` runs, by the calls that they make, and the places of runs that are no scenario."""
     curves = {}
     for name in scenario.inputs:
         history, order = source_of(scenario.inputs, name)
         curves[name] = _Curve(history, order, evaluate)
     stop = evaluate(scenario.stop)
-    wanted = [_time_of(result, stop) for result in results]
+    wanted = [
+        np.full(count, instants([result], np.inf)[0][1]) if "@" in result else stop for result in results
+    ]
     sound = np.isfinite(stop) & (stop > 0.0)
     for each in curves.values():
         sound &= each.is_sound
@@ -137,8 +196,10 @@ def steps_of_rows(
     )
     asked = _asked(scenario, starts, stop[rows])
     signature = np.column_stack([steps_made, read_after, asked])
+    different, alike = np.unique(signature, axis=0, return_inverse=True)
     groups = []
-    for line, which in _alike(signature):
+    for number, line in enumerate(different):
+        which = np.flatnonzero(np.ravel(alike) == number)
         made, members = int(line[0]), rows[which]
         after = tuple(line[1 : 1 + len(wanted)].tolist())
         asks = line[1 + len(wanted) :][:made].astype(bool)
@@ -146,11 +207,6 @@ def steps_of_rows(
             _group(curves, members, starts[which, :made], ends[which, :made], stop[members], after, asks)
         )
     return groups, np.flatnonzero(~sound)
-
-
-def _time_of(result: str, stop: Array) -> Array:
-    """The time at which a result is read, of each run."""
-    return np.full(len(stop), instants([result], np.inf)[0][1]) if "@" in result else stop
 
 
 def _starts(
@@ -195,15 +251,6 @@ def _asked(scenario: Scenario, starts: Array, stop: Array) -> NDArray[np.bool_]:
     return np.asarray(near <= SAME_TIME * stop[:, None])
 
 
-def _alike(signature: NDArray[np.intp]) -> list[tuple[NDArray[np.intp], NDArray[np.intp]]]:
-    """Different lines, and the places where each stands."""
-    if len(signature) == 0:
-        return []
-    different, which = np.unique(signature, axis=0, return_inverse=True)
-    which = np.ravel(which)
-    return [(line, np.flatnonzero(which == place)) for place, line in enumerate(different)]
-
-
 def _group(
     curves: dict[str, _Curve],
     rows: NDArray[np.intp],
@@ -212,7 +259,7 @@ def _group(
     stop: Array,
     read_after: tuple[int, ...],
     asks: NDArray[np.bool_],
-) -> StepRows:
+) -> Group:
     steps, columns = [], []
     for number in range(starts.shape[1]):
         start, size = starts[:, number], ends[:, number] - starts[:, number]
@@ -227,4 +274,4 @@ def _group(
         values = {name: float(own[0][0]) for name, own in taylor.items()}
         own = {key: float(rate[0]) for key, rate in rates.items()}
         steps.append(Step(float(start[0]), float(size[0]), values, own, bool(asks[number])))
-    return StepRows(rows, tuple(steps), read_after, np.column_stack(columns))
+    return Group(Arrangement(tuple(steps), read_after), rows, np.column_stack(columns))

@@ -24,7 +24,7 @@ class Died(Exception):
 
 
 class Workers(ABC):
-    """Those that make the runs of one task. A context manager: they are sent home at its end."""
+    """Those that make the runs of one task, and are sent home at the end of the context."""
 
     def __init__(self, task: Task) -> None:
         self.task = task
@@ -61,7 +61,7 @@ def _halved(attempt: Callable[[Array], Block], rows: Array, width: int) -> Block
         if len(rows) == 1:
             return Block.lost(width, DIED)
     half = len(rows) // 2
-    return Block.joined(_halved(attempt, rows[:half], width), _halved(attempt, rows[half:], width))
+    return Block.joined([_halved(attempt, part, width) for part in (rows[:half], rows[half:])])
 
 
 class InThisProcess(Workers):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import importlib
 import importlib.util
 import io
 from collections.abc import Mapping, Sequence
@@ -12,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dualcam.common.mistakes import StudyError
+from dualcam.common.mistakes import StudyError, optional_module
 
 FORMATS = ("parquet", "csv")
 METADATA = b"dualcam"  # key in the metadata of a Parquet schema
@@ -34,13 +33,9 @@ def check_format(file_format: str) -> None:
 
 
 def pyarrow_module(name: str) -> Any:  # noqa: ANN401
-    """A module of pyarrow. StudyError if pyarrow is not installed."""
-    try:
-        return importlib.import_module(name)
-    except ImportError:
-        raise StudyError(
-            'Parquet files need pyarrow: pip install "dualcam[study]", or use format csv'
-        ) from None
+    """A module of pyarrow."""
+    advice = 'Parquet files need pyarrow: pip install "dualcam[study]", or use format csv'
+    return optional_module(name, advice)
 
 
 def encoded(columns: Mapping[str, Column], file_format: str, metadata: str) -> memoryview | bytes:
@@ -57,9 +52,8 @@ def _parquet(columns: Mapping[str, Column], metadata: str) -> memoryview:
     levels, which take a third of the time."""
     pyarrow, parquet = pyarrow_module("pyarrow"), pyarrow_module("pyarrow.parquet")
     arrays = [_arrow(pyarrow, column) for column in columns.values()]
-    fields = [
-        pyarrow.field(name, array.type, nullable=False) for name, array in zip(columns, arrays, strict=True)
-    ]
+    typed = zip(columns, arrays, strict=True)
+    fields = [pyarrow.field(name, array.type, nullable=False) for name, array in typed]
     table = pyarrow.Table.from_arrays(arrays, schema=pyarrow.schema(fields, {METADATA: metadata}))
     few = [name for name, column in columns.items() if _has_few_values(column)]
     sink = pyarrow.BufferOutputStream()
@@ -108,13 +102,10 @@ def _has_few_values(column: Column) -> bool:
 
 
 def columns_of_parquet(source: Any, wanted: Sequence[str] | None) -> dict[str, Column]:  # noqa: ANN401
-    """Columns of a Parquet file of runs, a path or an open file. OSError or ValueError if a page is
-    damaged."""
+    """Columns of a Parquet file, a path or an open file. OSError or ValueError if it is damaged."""
     # With threads Arrow can abort or hang the process at its end (apache/arrow, issues 33975 and 34314).
-    opened = pyarrow_module("pyarrow.parquet").ParquetFile(
-        source, pre_buffer=False, page_checksum_verification=True
-    )
-    with opened as file:
+    parquet = pyarrow_module("pyarrow.parquet")
+    with parquet.ParquetFile(source, pre_buffer=False, page_checksum_verification=True) as file:
         names = file.schema_arrow.names
         chosen = names if wanted is None else [name for name in names if name in wanted]
         table = file.read(chosen, use_threads=False)

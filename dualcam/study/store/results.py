@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -10,11 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from dualcam.common.mistakes import StudyError
+from dualcam.common.mistakes import StudyError, optional_module
 from dualcam.study.run.chunk import RUNS, checksum, name_of
 from dualcam.study.store.encoding import Column, columns_of_csv, columns_of_parquet, encoded
 from dualcam.study.store.storage import Storage, storage_at
 from dualcam.study.store.store import RECORD, finished_in, is_sound, record_in
+
+NO_TABLES = '{} is not installed: pip install "dualcam[tables]"'
 
 
 class Results(dict[str, Column]):
@@ -38,7 +39,9 @@ class Results(dict[str, Column]):
     >>> import numpy as np
     >>> from dualcam.study import Results
     >>> table = Results({"run": np.array([0, 1]), "theta": np.array([0.1, 0.2])})
-    >>> float(table["theta"].max())
+    >>> float(table["theta"].max()), table.to_pandas()["theta"].mean().round(3).item()
+    (0.2, 0.15)
+    >>> float(table.to_xarray()["theta"].sel(run=1))
     0.2
     """
 
@@ -67,16 +70,8 @@ class Results(dict[str, Column]):
         ------
         StudyError
             pandas is not installed.
-
-        Examples
-        --------
-        >>> import numpy as np
-        >>> from dualcam.study import Results
-        >>> table = Results({"run": np.array([0, 1]), "theta": np.array([0.1, 0.2])})
-        >>> table.to_pandas()["theta"].mean().round(3).item()
-        0.15
         """
-        pandas = _module("pandas")
+        pandas = optional_module("pandas", NO_TABLES.format("pandas"))
         frame = pandas.DataFrame(self._flat())
         frame.attrs = {"study": self.study, "versions": self.versions}
         return frame.set_index("run") if "run" in self else frame
@@ -94,18 +89,6 @@ class Results(dict[str, Column]):
         ------
         StudyError
             The file cannot be written.
-
-        Examples
-        --------
-        >>> import tempfile
-        >>> from pathlib import Path
-        >>> import numpy as np
-        >>> from dualcam.study import Results
-        >>> with tempfile.TemporaryDirectory() as folder:
-        ...     path = Path(folder) / "table.csv"
-        ...     Results({"run": np.array([0, 1]), "theta": np.array([0.1, 0.2])}).to_csv(path)
-        ...     path.read_text().split()
-        ['run,theta', '0,0.1', '1,0.2']
         """
         try:
             Path(path).write_bytes(encoded(self._flat(), "csv", ""))
@@ -139,16 +122,8 @@ class Results(dict[str, Column]):
         ------
         StudyError
             xarray is not installed, or `run` is not among the columns.
-
-        Examples
-        --------
-        >>> import numpy as np
-        >>> from dualcam.study import Results
-        >>> table = Results({"run": np.array([0, 1]), "theta": np.array([0.1, 0.2])})
-        >>> float(table.to_xarray()["theta"].sel(run=1))
-        0.2
         """
-        xarray = _module("xarray")
+        xarray = optional_module("xarray", NO_TABLES.format("xarray"))
         if "run" not in self:
             raise StudyError("these columns are without run: read it, too")
         dimensions = self._grid()
@@ -157,25 +132,17 @@ class Results(dict[str, Column]):
         varied = [*plan.get("vary", {}), *plan.get("same_as", {}), *plan.get("derived", {})]
         variables: dict[str, Any] = {}
         times: dict[str, Column] = {}
-        for name, column in self.items():
-            if name in dimensions:
-                continue
-            axes = list(dimensions)
+        for name in [name for name in self if name not in dimensions]:
+            column, axes = self[name], list(dimensions)
             if column.ndim > 1:
                 axes.append(_time_axis(name, self.series[name], times))
             variables[name] = (axes, column.reshape(*shape, *column.shape[1:]))
+        given = {name: each for name, each in variables.items() if name in varied}
         return xarray.Dataset(
             {name: each for name, each in variables.items() if name not in varied},
-            coords={
-                **dimensions,
-                **times,
-                **{name: each for name, each in variables.items() if name in varied},
-            },
-            attrs={name: json.dumps(value) for name, value in self._facts().items()},
+            coords={**dimensions, **times, **given},
+            attrs={"study": json.dumps(self.study), "versions": json.dumps(self.versions)},
         )
-
-    def _facts(self) -> dict[str, Any]:
-        return {"study": self.study, "versions": self.versions}
 
     def _grid(self) -> dict[str, Column]:
         """The dimensions: what varies, in the order of the plan, if the runs are a whole grid."""
@@ -199,13 +166,6 @@ def _time_axis(name: str, instants: Column, times: dict[str, Column]) -> str:
     axis = f"time of {name}" if times else "time"
     times[axis] = instants
     return axis
-
-
-def _module(name: str) -> Any:  # noqa: ANN401
-    try:
-        return importlib.import_module(name)
-    except ImportError:
-        raise StudyError(f'{name} is not installed: pip install "dualcam[tables]"') from None
 
 
 def read_results(folder: str | Path, columns: Sequence[str] | None = None) -> Results:
@@ -249,8 +209,7 @@ def read_results(folder: str | Path, columns: Sequence[str] | None = None) -> Re
     if not checksums:
         raise StudyError(f"{folder} holds no runs yet")
     wanted = None if columns is None else list(dict.fromkeys(columns))
-    read = _read_parquet if record["format"] == "parquet" else _read_csv
-    parts = [read(storage, name, crc, wanted, record) for name, crc in checksums.items()]
+    parts = [_columns(storage, name, crc, wanted, record) for name, crc in checksums.items()]
     found = {name: np.concatenate([part.pop(name) for part in parts]) for name in list(parts[0])}
     if lacking := [name for name in wanted or () if name not in found]:
         raise StudyError(f"{folder} has no column {', '.join(lacking)}")
@@ -270,29 +229,21 @@ def _finished_files(storage: Storage, record: Mapping[str, Any]) -> dict[str, st
     return checksums
 
 
-def _rotten(storage: Storage, name: str) -> StudyError:
-    """Of a file that nobody has written to since, so that a study that goes on does not read it."""
-    return StudyError(
+def _columns(
+    storage: Storage, name: str, crc: str, wanted: Sequence[str] | None, record: Mapping[str, Any]
+) -> dict[str, Column]:
+    """Columns of a file of runs. StudyError if it is damaged: size and time are as they were, so that a study
+    that goes on does not notice. Arrow checks the pages that it reads."""
+    if record["format"] == "csv":
+        content = storage.read(name)
+        if checksum(content) == crc:
+            return columns_of_csv(content, wanted, record["texts"], list(record["series"]))
+    else:
+        try:
+            return columns_of_parquet(storage.open(name), wanted)
+        except (OSError, ValueError):  # pyarrow.ArrowInvalid is a ValueError
+            if checksum(storage.read(name)) == crc:
+                raise
+    raise StudyError(
         f"{storage}/{name} is damaged: delete the file and run the study again, which makes these runs anew"
     )
-
-
-def _read_parquet(
-    storage: Storage, name: str, crc: str, wanted: Sequence[str] | None, record: Mapping[str, Any]
-) -> dict[str, Column]:
-    """Arrow checks the pages that it reads."""
-    try:
-        return columns_of_parquet(storage.open(name), wanted)
-    except (OSError, ValueError):  # pyarrow.ArrowInvalid is a ValueError
-        if checksum(storage.read(name)) == crc:
-            raise
-        raise _rotten(storage, name) from None
-
-
-def _read_csv(
-    storage: Storage, name: str, crc: str, wanted: Sequence[str] | None, record: Mapping[str, Any]
-) -> dict[str, Column]:
-    content = storage.read(name)
-    if checksum(content) != crc:
-        raise _rotten(storage, name)
-    return columns_of_csv(content, wanted, record["texts"], list(record["series"]))

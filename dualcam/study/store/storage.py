@@ -8,11 +8,10 @@ from __future__ import annotations
 
 import os
 import uuid
-from abc import ABC, abstractmethod
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 from filelock import FileLock, Timeout
 
@@ -23,45 +22,34 @@ Listed = tuple[int, int | None]  # size of a file [bytes], and when its content 
 KEPT = "The runs written before are kept: make room, or whatever it takes, and give the same command again"
 
 
-class Storage(ABC):
+class Storage(Protocol):
     """A folder with files, by names such as `runs/runs-000000000.parquet`."""
 
-    @abstractmethod
-    def __str__(self) -> str: ...
-
-    @abstractmethod
     def make(self) -> None:
         """The folder exists. StudyError if it cannot be made."""
 
-    @abstractmethod
     def write(self, name: str, content: bytes | memoryview) -> int | None:
         """A whole file, in the place of another one of that name; its time as of `listing`. StudyError if it
         cannot be written."""
 
-    @abstractmethod
     def read(self, name: str) -> bytes:
         """FileNotFoundError if there is none of that name; another OSError if it cannot be read."""
 
-    @abstractmethod
     def listing(self, folder: str) -> dict[str, Listed]:
         """The files of a folder in this one, by name; without those that are unfinished."""
 
-    @abstractmethod
     def remove(self, name: str) -> None:
         """The file is there no more."""
 
-    @abstractmethod
     def tidy(self, folder: str) -> None:
         """Nothing unfinished is left of writers that were interrupted."""
 
-    @abstractmethod
     def open(self, name: str) -> Any:  # noqa: ANN401
         """What pyarrow reads: a path, or an open file."""
 
-    @abstractmethod
+    @property
     def checks_itself(self) -> bool:
-        """Whether damaged bytes are found where they are kept, so that reading all files again is not worth
-        the traffic."""
+        """Whether damaged bytes are found where they are kept: nobody then reads all files again."""
 
 
 @dataclass(frozen=True)
@@ -102,7 +90,7 @@ class Folder(Storage):
     def listing(self, folder: str) -> dict[str, Listed]:
         try:
             with os.scandir(self.path / folder) as entries:
-                found = {each.name: each.stat() for each in entries if _is_finished(each.name)}
+                found = {each.name: each.stat() for each in entries if not each.name.endswith(UNFINISHED)}
         except FileNotFoundError:
             return {}
         return {name: (each.st_size, each.st_mtime_ns) for name, each in found.items()}
@@ -117,8 +105,7 @@ class Folder(Storage):
     def open(self, name: str) -> str:
         return str(self.path / name)
 
-    def checks_itself(self) -> bool:
-        return False
+    checks_itself = False
 
 
 @dataclass(frozen=True)
@@ -179,12 +166,7 @@ class ObjectStore(Storage):
         files, path = self._files()
         return files.open(f"{path}/{name}", "rb")
 
-    def checks_itself(self) -> bool:
-        return True
-
-
-def _is_finished(name: str) -> bool:
-    return not (name.startswith(".") and name.endswith(UNFINISHED))
+    checks_itself = True
 
 
 def locked(path: Path, busy: str) -> FileLock | None:

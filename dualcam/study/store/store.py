@@ -28,7 +28,7 @@ from filelock import FileLock
 from dualcam.common.mistakes import StudyError
 from dualcam.study.plan.plan import Plan
 from dualcam.study.run.chunk import RUNS, Files, Written, checksum, name_of
-from dualcam.study.run.results_wanted import Readings
+from dualcam.study.run.readings import Readings
 from dualcam.study.store.encoding import FORMATS, check_format, default_format
 from dualcam.study.store.storage import Folder, Listed, Storage, locked, storage_at
 
@@ -59,31 +59,25 @@ class Store:
         chunk: int,
         file_format: str | None,
     ) -> None:
-        """Opens it, or makes it. StudyError if it holds runs of another study, if another process writes
-        there, or if it cannot be written. A study begun earlier keeps its size of chunks and its format."""
+        """Opens or makes it. StudyError if it holds another study, is in use, or cannot be written. A study
+        begun earlier keeps its size of chunks and its format."""
         self.storage = storage_at(folder)
         self.plan, self.readings = plan, readings
         self.damaged: list[str] = []  # names of files, found by `missing`
-        facts = json.loads(json.dumps(facts), parse_constant=_plain)  # as it is read back
-        file_format = file_format or default_format()
-        begun = record_in(self.storage)
-        check_format(begun["format"] if begun else file_format)  # before the folder is made
+        wanted = {
+            "layout": LAYOUT,
+            "study": json.loads(json.dumps(facts), parse_constant=_plain),  # as it is read back
+            "runs": plan.count,
+            "chunk": chunk,
+            "format": file_format or default_format(),
+            "versions": versions(),
+            "texts": [*plan.texts, "message"],
+            "series": readings.series,
+        }
+        check_format((record_in(self.storage) or wanted)["format"])  # before the folder is made
         self._lock = self._locked()
         try:
-            begun = record_in(self.storage)  # another process may have been there before the lock
-            self.record = self._begin(
-                begun,
-                {
-                    "layout": LAYOUT,
-                    "study": facts,
-                    "runs": plan.count,
-                    "chunk": chunk,
-                    "format": file_format,
-                    "versions": versions(),
-                    "texts": [*plan.texts, "message"],
-                    "series": readings.series,
-                },
-            )
+            self.record = self._begin(wanted)
             self.storage.tidy(RUNS)
             self._finished = finished_in(self.storage)
             self._mark = f".study-{uuid.uuid4().hex}"
@@ -94,8 +88,9 @@ class Store:
         self._recorded = time.monotonic()
         self.chunk, self.file_format = int(self.record["chunk"]), str(self.record["format"])
 
-    def _begin(self, begun: dict[str, Any] | None, wanted: dict[str, Any]) -> dict[str, Any]:
-        """The record that holds: the one that is there, if runs are."""
+    def _begin(self, wanted: dict[str, Any]) -> dict[str, Any]:
+        """The record that holds: the one that is there, also by another process, if runs are."""
+        begun = record_in(self.storage)
         differing = [] if begun is None else _differing(begun["study"], wanted["study"])
         if begun is not None and not differing:
             return begun
@@ -135,15 +130,11 @@ class Store:
         metadata = {name: self.record[name] for name in ("study", "versions", "series")}
         return Files(self.storage, self.file_format, self.plan, self.readings, metadata, self._mark)
 
-    def chunks(self) -> list[range]:
-        """All runs, file by file."""
-        runs = self.plan.count
-        return [range(start, min(start + self.chunk, runs)) for start in range(0, runs, self.chunk)]
-
     def missing(self) -> list[range]:
         """Runs not yet made, file by file."""
-        listed = self.storage.listing(RUNS)
-        return [runs for runs in self.chunks() if not self._holds(runs, listed)]
+        count, listed = self.plan.count, self.storage.listing(RUNS)
+        files = [range(start, min(start + self.chunk, count)) for start in range(0, count, self.chunk)]
+        return [runs for runs in files if not self._holds(runs, listed)]
 
     def _holds(self, runs: range, listed: dict[str, Listed]) -> bool:
         name = name_of(runs, self.file_format)
@@ -201,12 +192,11 @@ def finished_in(storage: Storage) -> dict[str, list[Any]]:
 
 
 def is_sound(storage: Storage, name: str, recorded: list[Any], listed: dict[str, Listed]) -> bool:
-    """Whether a file of runs is as it was written. A file whose time of change is another one, such as a
-    copy, is read."""
+    """Whether a file of runs is as it was written; read only where its time of change differs."""
     size, changed = listed.get(Path(name).name, (-1, None))
     if size != recorded[0]:
         return False
-    if storage.checks_itself() or (changed is not None and changed == recorded[3]):
+    if storage.checks_itself or (changed is not None and changed == recorded[3]):
         return True
     try:
         return checksum(storage.read(name)) == recorded[1]

@@ -13,12 +13,31 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from numpy.typing import ArrayLike
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
-from dualcam.common.arrays import real_array
+from dualcam.common.arrays import Array, real_array
 from dualcam.common.mistakes import StudyError
-from dualcam.scenario.formula import formula
+from dualcam.scenario.formula import Formula, formula
 from dualcam.study.plan.texts import Texts
+
+
+def in_order(derived: Mapping[str, str]) -> list[tuple[str, Formula]]:
+    """Derived names with their formulas, each after those that it uses. StudyError for a circle."""
+    left = {name: formula(text) for name, text in derived.items()}
+    done: list[tuple[str, Formula]] = []
+    while left:
+        ready = [name for name, each in left.items() if not set(each.names) & set(left)]
+        if not ready:
+            raise StudyError(f"derived: {', '.join(left)} use each other in a circle: break it")
+        done += [(name, left.pop(name)) for name in ready]
+    return done
+
+
+def violating(constraints: Mapping[str, str], columns: Mapping[str, Array], count: int) -> NDArray[np.bool_]:
+    """Which of `count` runs violate a constraint. `columns` has their values by name, shape (count,) each."""
+    kept = [formula(text).truth(columns, count) for text in constraints.values()]
+    return ~np.all([np.ones(count, bool), *kept], axis=0)
 
 
 def values_of(names: Sequence[str], row: ArrayLike, texts: Mapping[str, Texts]) -> dict[str, float | str]:

@@ -1,21 +1,17 @@
-"""What an optimisation says: the model, what varies, and what is wanted."""
+"""Designs: the model that gives their results, deviations of made parts, and values between bounds."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 from dualcam.common.entries import hint
 from dualcam.fmi.model_description import Scalar
-from dualcam.scenario.formula import Formula, formula
 from dualcam.scenario.scenario import Scenario
-from dualcam.study.plan.correlation import Correlation
 from dualcam.study.plan.vary import Vary
-from dualcam.study.run.results_wanted import column_of
 
 SHAPES = ("normal", "uniform", "triangular")  # as Tolerance.within, whose module loads scipy.stats
 SIGMAS = 3.0  # half-widths of a normal distribution between its limits, in standard deviations
@@ -110,73 +106,6 @@ class Deviation:
             return Vary(low, high, distribution="triang", arguments=arguments)
         arguments = {"mean": nominal, "std": self.plus_minus / SIGMAS}
         return Vary(low, high, distribution="normal", arguments=arguments)
-
-
-@dataclass(frozen=True)
-class TaskFields:
-    """The fields of an `Optimisation`, which may be wrong."""
-
-    model: FmuRuns | Function
-    vary: Mapping[str, Vary]
-    objectives: Mapping[str, str]
-    constraints: Mapping[str, Range] = field(default_factory=dict)
-    method: str = ""
-    budget: int = 2000
-    population: int = 0
-    starts: int = 4
-    start: Mapping[str, float | str] = field(default_factory=dict)
-    seed: int = 0
-    tolerances: Mapping[str, Deviation] = field(default_factory=dict)
-    percentile: float = 95.0
-    samples: int = 64
-    difference: float = 1e-3
-    same_as: Mapping[str, str] = field(default_factory=dict)
-    correlations: Sequence[Correlation] = ()
-    results: Sequence[str] = ()
-    units: Mapping[str, str] = field(default_factory=dict)
-
-    @cached_property
-    def designed(self) -> dict[str, Vary]:
-        """What is chosen."""
-        return {name: vary for name, vary in self.vary.items() if not vary.distribution}
-
-    @cached_property
-    def chance(self) -> dict[str, Vary]:
-        """What happens."""
-        return {name: vary for name, vary in self.vary.items() if vary.distribution}
-
-    @property
-    def is_robust(self) -> bool:
-        """Whether parts as made differ from their design."""
-        return bool(self.chance or self.tolerances)
-
-    @property
-    def method_used(self) -> str:
-        """The method, if none was named the one for this number of objectives."""
-        return self.method or ("evolution" if len(self.objectives) == 1 else "nsga2")
-
-    @property
-    def population_used(self) -> int:
-        """Designs in a generation."""
-        return min(self.population or min(max(10 * len(self.designed), 20), 100), self.budget)
-
-    @cached_property
-    def formulas(self) -> dict[str, Formula]:
-        """Those of objectives and constraints by their text."""
-        return {text: formula(text) for text in [*self.objectives, *self.constraints]}
-
-    @cached_property
-    def read(self) -> list[str]:
-        """What is read of the model: variables in formulas, then the results that are shown."""
-        derived = self.model.derived if isinstance(self.model, FmuRuns) else {}
-        known = {*self.vary, *self.same_as, *derived, *map(column_of, self.results)}
-        wanted = [name for each in self.formulas.values() for name in each.names if name not in known]
-        return list(dict.fromkeys([*wanted, *self.results]))
-
-    @property
-    def columns(self) -> list[str]:
-        """The names of what is read."""
-        return [column_of(text) for text in self.read]
 
 
 def choices(vary: Vary) -> list[float | str]:

@@ -18,12 +18,11 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from dualcam.common.mistakes import Findings, StudyError
+from dualcam.common.mistakes import StudyError, refuse
 from dualcam.fmi.reals import Array
 from dualcam.scenario.formula import Formula, formula
 from dualcam.study.store.encoding import Column
@@ -59,34 +58,28 @@ class Reading:
 
 
 class Readings:
-    """The results of a study, by their texts as in the examples of this module.
+    """The results of a study, by their texts as in the examples of this module. StudyError with all texts
+    that are no results.
 
-    `stop` is the end of the runs [s], a formula where it varies; `varied` are the names of the plan, which
-    formulas may use, too. `columns` are the names of the results, in their order; `raw` is what the FMU is
-    asked for, names and `name@time`; `series` has the instants [s] of each series; `used` are the names of
-    the plan that formulas use. StudyError with all texts that are no results.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from dualcam.study.run.results_wanted import Readings
-    >>> readings = Readings(["top = max(theta, every=0.5)", "rise = top - theta@0"], stop=1.0)
-    >>> readings.raw
-    ['theta@0.0', 'theta@0.5', 'theta', 'theta@0']
-    >>> {name: column.tolist() for name, column in readings.of(np.array([[1.0, 3.0, 2.0, 1.0]]), {}).items()}
-    {'top': [3.0], 'rise': [2.0]}
-    """
+    `stop` is the end of the runs [s], a formula where it varies; `varied` are the names of the plan.
+    `columns` are the names of the results; `raw` is what the FMU is asked for, names and `name@time`;
+    `series` has the instants [s] of each series; `used` are the names of the plan that formulas use."""
 
     def __init__(self, results: Sequence[str], stop: float | str, varied: Sequence[str] = ()) -> None:
         self._varied = tuple(varied)
         self._parsed: dict[str, Reading] = {}
         self._inner: dict[str, Reading] = {}  # samples inside formulas, which are no columns
         self.used: set[str] = set()
-        findings = Findings()
+        problems = []
         for text in results:
-            if reading := findings.attempt(self._named_reading, text, stop):
+            try:
+                reading = self._reading(text.strip(), stop)
+                if reading.column in self._parsed:
+                    raise StudyError(f"{reading.column} is named twice: allowed is once")
                 self._parsed[reading.column] = reading
-        findings.refuse()
+            except StudyError as error:
+                problems.append(f"result {text!r}: {error}")
+        refuse(problems)
         self.columns = list(self._parsed)
         self.raw = list(dict.fromkeys(name for each in self._parsed.values() for name in each.raw))
         self.series = {each.column: each.times for each in self._parsed.values() if each.kind == SERIES}
@@ -97,16 +90,6 @@ class Readings:
         return max(len(self.raw), sum(each.width for each in self._parsed.values()))
 
     # ---- texts ----
-
-    def _named_reading(self, text: str, stop: float | str) -> Reading:
-        """StudyError with the text."""
-        try:
-            reading = self._reading(text.strip(), stop)
-            if reading.column in self._parsed:
-                raise StudyError(f"{reading.column} is named twice: allowed is once")
-        except StudyError as error:
-            raise StudyError(f"result {text!r}: {error}") from None
-        return reading
 
     def _reading(self, text: str, stop: float | str) -> Reading:
         name, body = _split(text)
@@ -145,14 +128,10 @@ class Readings:
 
     # ---- values ----
 
-    @cached_property
-    def _is_plain(self) -> bool:
-        return all(each.kind == VALUE for each in self._parsed.values())
-
     def of(self, raw: Array, varied: Mapping[str, Column], failed: Sequence[int] = ()) -> dict[str, Column]:
         """The columns of results, shape (runs,) or (runs, instants), of what the FMU gave, shape (runs, raw),
         and of the values of the plan, for formulas. Runs at the places `failed` have no results."""
-        if self._is_plain:
+        if all(each.kind == VALUE for each in self._parsed.values()):
             return dict(zip(self.columns, raw.T, strict=True))
         places = {name: k for k, name in enumerate(self.raw)}
         by_name = {name: raw[:, k] for name, k in places.items()}
