@@ -55,34 +55,27 @@ def to_nonlinear_io_system(
 
     Parameters
     ----------
-    source : str, Path, Fmu or ContinuousFmu
+    source
         "forward", the path of a forward FMU (FMI 2.0 or 3.0), or a handle (then with the parameters of its
         last start).
-    inputs : str or sequence of str, optional
-        Out of tau [N.m], F_ext [N]. None: both. An input left out keeps its value of `parameters`, or 0.
-    outputs : str or sequence of str, optional
+    inputs : Out of tau [N.m], F_ext [N]. None: both. An input left out keeps its value of `parameters`, or 0.
+    outputs
         None: theta, omega, z [m], v [m/s]. Else any outputs or locals of the FMU that follow from states and
         inputs (`mode`, `torque_load`, `spring.force`, ...), but not the accounts `energy.*`, `peak.*`.
         python-control allows no dot in a name: `spring.force` becomes `spring_force`.
-    parameters : mapping of str to float, int, bool or str, optional
-        Start values of the FMU.
-    period : float, optional
+    parameters : Start values of the FMU.
+    period
         Period [s] of a sampled system, from co-simulation, with inputs held over the period. Prefer this
         kind: the FMU locates stick, slip, stops and bounces within a period, to its accuracy. None: a
         continuous system, from model exchange, for solvers without event location; see Notes.
-    rest_speed : float
-        Speed [rad/s], > 0, below which the continuous system can rest; see Notes.
-    rest_time : float
-        Time constant [s], > 0, with which the speed decays at rest; see Notes.
-    name : str
-        Name of the system.
-    dt : float, optional
-        The same as `period`, by python-control's name.
+    rest_speed : Speed [rad/s], > 0, below which the continuous system can rest; see Notes.
+    rest_time : Time constant [s], > 0, with which the speed decays at rest; see Notes.
+    name : Name of the system.
+    dt : The same as `period`, by python-control's name.
 
     Returns
     -------
-    control.NonlinearIOSystem
-        With named signals.
+    With named signals.
 
     Raises
     ------

@@ -37,19 +37,13 @@ class LimitCycle:
 
     Attributes
     ----------
-    amplitude : float
-        Half the range of the angle [rad].
-    torque : float
-        Half the range of the controller's torque, of its first harmonic [N.m].
-    frequency : float
-        Angular frequency [rad/s].
-    stable : bool
-        False: a border. From smaller swings the loop comes to rest, from larger ones the swing grows.
-    sinusoid : str
-        What the harmonic balance takes for sinusoidal: "angle" or "torque".
-    distortion : float
-        Second and third harmonic of that signal over the first one, as the loop returns them [1].
-    margin : float
+    amplitude : Half the range of the angle [rad].
+    torque : Half the range of the controller's torque, of its first harmonic [N.m].
+    frequency : Angular frequency [rad/s].
+    stable : False: a border. From smaller swings the loop comes to rest, from larger ones the swing grows.
+    sinusoid : What the harmonic balance takes for sinusoidal: "angle" or "torque".
+    distortion : Second and third harmonic of that signal over the first one, as the loop returns them [1].
+    margin
         Of a sinusoidal angle: distance of the torque at the turning points from the middle of the stick band,
         in half widths of the band. Below 1 the cam would rest there. Below 1.9 the prediction can be wrong by
         more than 10 %. Infinite for a sinusoidal torque, which has these rests.

@@ -23,15 +23,14 @@ class CamHysteresis(PlayOperator):
 
     Parameters
     ----------
-    source : str, Path, Fmu or ContinuousFmu
+    source
         "forward", the path of a forward FMU (FMI 2.0 or 3.0), or a handle (then with the parameters of its
         last start).
-    theta : float
-        Mean angle of the oscillation [rad], between the stops.
-    tau : float, optional
+    theta : Mean angle of the oscillation [rad], between the stops.
+    tau
         Bias of the torque [N.m]: the mean angle then depends on the amplitude. None: for each amplitude the
         bias that keeps the mean angle at `theta`, as integral action in the loop does.
-    parameters : mapping of str to float, int, bool or str, optional
+    parameters
         Start values of the FMU (spring, grooves, friction, stops, F_ext). Inertia and `shaft.damping` have an
         effect on `swing_torque` and `limit_cycles` only: the play operator is that of slow motion.
 
@@ -40,8 +39,7 @@ class CamHysteresis(PlayOperator):
     OperatingPointError
         `theta` is not between the stops, or the torque band does not rise with theta from stop to stop: a
         contact locks, or the spring is so soft that the cam snaps through.
-    FmuError
-        A value that the FMU refuses.
+    FmuError : A value that the FMU refuses.
 
     Notes
     -----
@@ -71,27 +69,13 @@ class CamHysteresis(PlayOperator):
     """
 
     def swing_torque(self, amplitude: float, frequency: float) -> complex:
-        """First harmonic of the torque that a sinusoidal swing needs, over the amplitude of the angle.
+        """First harmonic of the torque that a sinusoidal swing needs, over the amplitude of the angle
+        [N.m/rad]: stiffness less inertia times frequency squared, and j times the friction's part. With all
+        inertia, damping, and the friction law at the speed of each instant.
 
-        Parameters
-        ----------
-        amplitude : float
-            Of the angle, about `theta` [rad].
-        frequency : float
-            Angular frequency of the swing [rad/s].
-
-        Returns
-        -------
-        complex
-            [N.m/rad]: stiffness less inertia times frequency squared, and j times the friction's part. With
-            all inertia, damping, and the friction law at the speed of each instant.
-
-        Raises
-        ------
-        OperatingPointError
-            The swing reaches a stop, or no torque moves the cam so.
-        FmuError
-            The cam has no inertia.
+        `amplitude`: of the angle, about `theta` [rad]. `frequency`: angular frequency of the swing [rad/s].
+        OperatingPointError: the swing reaches a stop, or no torque moves the cam so. FmuError: the cam has no
+        inertia.
 
         Examples
         --------
@@ -125,16 +109,15 @@ class CamHysteresis(PlayOperator):
 
         Parameters
         ----------
-        controller : control.StateSpace, control.TransferFunction or linear control.NonlinearIOSystem
+        controller
             With a sampling time. Its one output is the torque [N.m], which is held over the period. An input
             is "error", `theta` less the angle [rad], "theta", the angle [rad], "omega" [rad/s], or
             "reference", which stays constant. Whatever else makes the torque of rest counts as a bias.
-        check : bool
+        check
             Whether the loop is run with the FMU: from each prediction, and from four offsets. Seconds;
             without the check about one second.
-        duration : float
-            Longest time [s] of each run of the check; at most 4e6 periods of the controller.
-        inputs : str or sequence of str, optional
+        duration : Longest time [s] of each run of the check; at most 4e6 periods of the controller.
+        inputs
             What the inputs of the controller are, in their order. None: their names say it, where `xd[0]` and
             `ud[0]` of control.create_statefbk_iosystem are references; a single input of another name is the
             error.
@@ -157,8 +140,7 @@ class CamHysteresis(PlayOperator):
         FmuError
             No controller, a nonlinear or continuous one, one with several outputs, with other inputs, or with
             coefficients that are not finite; a duration that is no time, or above 4e6 periods.
-        OperatingPointError
-            The hysteresis has a bias `tau`: the controller makes the bias.
+        OperatingPointError : The hysteresis has a bias `tau`: the controller makes the bias.
 
         Notes
         -----

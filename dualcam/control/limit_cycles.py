@@ -24,16 +24,14 @@ class LimitCycles:
 
     Attributes
     ----------
-    predicted : tuple of LimitCycle
-        By harmonic balance, by rising amplitude.
-    simulated : tuple of LoopMotion
+    predicted : By harmonic balance, by rising amplitude.
+    simulated
         Different motions in which the loop with the FMU settles, by rising amplitude; rest, also on a stop,
         is none of them. Empty if the check was left out.
-    holds : bool or None
+    holds
         Whether the FMU agrees with the prediction to 10 %. Without the check: None, or False where a margin
         is too small (see LimitCycle).
-    findings : tuple of str
-        Where the prediction does not hold; the texts of the warnings.
+    findings : Where the prediction does not hold; the texts of the warnings.
     """
 
     predicted: tuple[LimitCycle, ...]

@@ -44,18 +44,13 @@ class OperatingPoint:
 
     Attributes
     ----------
-    theta : float
-        Angle [rad].
-    omega : float
-        Speed [rad/s].
-    tau : float
-        Torque [N.m].
-    F_ext : float
-        Axial force [N].
-    alpha : float
+    theta : Angle [rad].
+    omega : Speed [rad/s].
+    tau : Torque [N.m].
+    F_ext : Axial force [N].
+    alpha
         Acceleration [rad/s2]. Where it is not zero, deviations are from a motion, not from an equilibrium.
-    mode : int
-        1 stick, 2 loading, 3 releasing.
+    mode : 1 stick, 2 loading, 3 releasing.
     """
 
     theta: float
@@ -87,38 +82,29 @@ def linearize(
 
     Parameters
     ----------
-    source : str, Path, Fmu or ContinuousFmu
+    source
         "forward", the path of a forward FMU (FMI 2.0 or 3.0), or a handle (then with the parameters of its
         last start).
-    theta : float
-        Angle of the operating point [rad], between the stops.
-    omega : float
-        Speed of the operating point [rad/s]. Its sign is the direction of slip.
-    tau : float, optional
-        Torque at the point [N.m]. None: the torque that keeps omega constant (alpha = 0).
-    F_ext : float, optional
-        Axial force at the point [N]. None: that of `parameters`, else 0.
+    theta : Angle of the operating point [rad], between the stops.
+    omega : Speed of the operating point [rad/s]. Its sign is the direction of slip.
+    tau : Torque at the point [N.m]. None: the torque that keeps omega constant (alpha = 0).
+    F_ext : Axial force at the point [N]. None: that of `parameters`, else 0.
     at_rest : {"loading", "releasing", "frozen"}, optional
-        For omega = 0, where slip or stick depends on the torque.
-        "loading", "releasing": slip at its beginning in that direction, at that edge of the stick band.
-        Design controllers for moves in that direction with this model.
-        "frozen": stick. Nothing moves, A = 0 and B = 0, while tau is inside the band.
-        None: tau decides. For slip from rest the model of that slip; for stick an error.
-    inputs, outputs : str or sequence of str, optional
-        Names, in order. None: all.
-    parameters : mapping of str to float, int, bool or str, optional
-        Start values of the FMU.
-    period : float, optional
+        For omega = 0, where slip or stick depends on the torque. "loading", "releasing": slip at its
+        beginning in that direction, at that edge of the stick band. Design controllers for moves in that
+        direction with this model. "frozen": stick. Nothing moves, A = 0 and B = 0, while tau is inside the
+        band. None: tau decides. For slip from rest the model of that slip; for stick an error.
+    inputs, outputs : Names, in order. None: all.
+    parameters : Start values of the FMU.
+    period
         None: continuous. Else the model at multiples of `period` [s] under inputs held over each period:
         control.sample_system of the continuous one. While the mode lasts, the sampled model is exact for
         linear slip (helices, linear spring and damper), else right to first order in the period.
-    dt : float, optional
-        The same as `period`, by python-control's name.
+    dt : The same as `period`, by python-control's name.
 
     Returns
     -------
-    control.StateSpace
-        With named signals, and the OperatingPoint as its attribute `operating_point`.
+    With named signals, and the OperatingPoint as its attribute `operating_point`.
 
     Warns
     -----
@@ -131,8 +117,7 @@ def linearize(
     ------
     OperatingPointError
         No such model exists: at rest without `at_rest`, on a stop, wedged, outside the stops.
-    FmuError
-        An unknown name, or a value that the FMU refuses (without inertia the speed is no state).
+    FmuError : An unknown name, or a value that the FMU refuses (without inertia the speed is no state).
 
     Notes
     -----

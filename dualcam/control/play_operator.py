@@ -71,18 +71,7 @@ class PlayOperator(control.DescribingFunctionNonlinearity):
         self._angle = theta  # rad, present angle, for __call__
 
     def band(self, theta: float) -> tuple[float, float]:
-        """Edges of the stick band.
-
-        Parameters
-        ----------
-        theta : float
-            Angle [rad].
-
-        Returns
-        -------
-        tuple of float
-            T_release and T_load [N.m].
-        """
+        """Edges of the stick band, T_release and T_load [N.m]. `theta`: angle [rad]."""
         return float(self._release(theta)), float(self._load(theta))
 
     @property
@@ -92,22 +81,10 @@ class PlayOperator(control.DescribingFunctionNonlinearity):
         return 0.5 * (load - release)
 
     def natural_frequency(self, inertia: float | None = None) -> float:
-        """Natural frequency of small oscillations while loading, sqrt(dT_load/dtheta / inertia).
+        """Natural frequency of small oscillations while loading, sqrt(dT_load/dtheta / inertia) [rad/s].
 
-        Parameters
-        ----------
-        inertia : float, optional
-            Inertia felt at the shaft [kg.m2], > 0. None: that of the FMU with its follower, from `linearize`.
-
-        Returns
-        -------
-        float
-            Angular frequency [rad/s].
-
-        Raises
-        ------
-        FmuError
-            An inertia that is no number > 0; None, and the FMU has no inertia.
+        `inertia` felt at the shaft [kg.m2], > 0. None: that of the FMU with its follower, from `linearize`.
+        FmuError: an inertia that is no number > 0; None, and the FMU has no inertia.
         """
         if inertia is None:
             model = linearize(self.path, self.theta, at_rest="loading", parameters=self.parameters)
@@ -137,17 +114,10 @@ class PlayOperator(control.DescribingFunctionNonlinearity):
     # ---- in a cycle ----
 
     def cycle(self, amplitude: float, bias: float) -> tuple[Array, Array]:
-        """One steady cycle under tau = bias + amplitude sin(phase).
+        """One steady cycle under tau = bias + amplitude sin(phase). Returns the torque [N.m] and angle [rad]
+        at equal phases from 0 on, shape (4096,) each.
 
-        Parameters
-        ----------
-        amplitude, bias : float
-            Of the torque [N.m].
-
-        Returns
-        -------
-        tuple of ndarray, shape (4096,) each
-            Torque [N.m] and angle [rad] at equal phases from 0 on.
+        `amplitude`, `bias`: of the torque [N.m].
         """
         phase = 2.0 * np.pi / PHASES * np.arange(PHASES)
         tau = bias + amplitude * np.sin(phase)
@@ -164,17 +134,8 @@ class PlayOperator(control.DescribingFunctionNonlinearity):
         return tau, theta
 
     def steady_angle(self, tau: Array) -> Array:
-        """The angle in the steady cycle under any periodic torque.
-
-        Parameters
-        ----------
-        tau : ndarray, shape (n,)
-            A period of the torque [N.m].
-
-        Returns
-        -------
-        ndarray, shape (n,)
-            Angle [rad].
+        """The angle in the steady cycle under any periodic torque [rad], shape (n,). `tau`: a period of the
+        torque [N.m], shape (n,).
         """
         lowest, highest = (self._angle_at_edge(tau, rising).tolist() for rising in (True, False))
         angle, found = self.theta, []
@@ -183,17 +144,8 @@ class PlayOperator(control.DescribingFunctionNonlinearity):
         return np.array(found)
 
     def bias_at(self, amplitude: float) -> float:
-        """The bias of cycles of an amplitude: as given, or the one with the mean angle `theta`.
-
-        Parameters
-        ----------
-        amplitude : float
-            Of the torque [N.m].
-
-        Returns
-        -------
-        float
-            Bias of the torque [N.m].
+        """The bias of cycles of an amplitude: as given, or the one with the mean angle `theta` [N.m].
+        `amplitude`: of the torque [N.m].
         """
         if self.bias is not None:
             return self.bias
@@ -209,22 +161,8 @@ class PlayOperator(control.DescribingFunctionNonlinearity):
         )
 
     def describing_function(self, A: float) -> complex:
-        """First harmonic of the angle over that of the torque.
-
-        Parameters
-        ----------
-        A : float
-            Amplitude of the torque [N.m], >= 0.
-
-        Returns
-        -------
-        complex
-            [rad/(N.m)]; 0 in the dead band.
-
-        Raises
-        ------
-        OperatingPointError
-            A negative amplitude.
+        """First harmonic of the angle over that of the torque. Returns [rad/(N.m)]; 0 in the dead band. `A`:
+        amplitude of the torque [N.m], >= 0. OperatingPointError: a negative amplitude.
         """
         if not A >= 0.0:
             raise OperatingPointError(f"amplitude A = {A}: allowed is >= 0")

@@ -189,19 +189,15 @@ class LoopMotion:
 
     Attributes
     ----------
-    kind : str
+    kind
         "rest"; "stop" where the torque presses the cam on a stop; "cycle"; "irregular" where the cam goes on
         to move in unequal cycles; "grows" where the last cycles still grow; "diverges" where the controller's
         torque passes 1e12 N.m, or a state 1e308; or "undecided" where the swing still decays or the motion is
         too slow for the duration.
-    amplitude : float
-        Half the range of the angle [rad], 0 at rest.
-    torque : float
-        Half the range of the torque [N.m].
-    frequency : float
-        Angular frequency [rad/s], the mean one of irregular cycles; NaN at rest.
-    lowest, highest : float
-        Ends of the angle's range [rad].
+    amplitude : Half the range of the angle [rad], 0 at rest.
+    torque : Half the range of the torque [N.m].
+    frequency : Angular frequency [rad/s], the mean one of irregular cycles; NaN at rest.
+    lowest, highest : Ends of the angle's range [rad].
     """
 
     kind: str

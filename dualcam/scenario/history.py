@@ -31,21 +31,15 @@ class History:
 
     Parameters
     ----------
-    time : sequence of float or str
-        Times [s], not decreasing. The same time twice is a jump.
-    value : sequence of float or str
-        Values at these times, in the FMU's unit.
+    time : Times [s], not decreasing. The same time twice is a jump.
+    value : Values at these times, in the FMU's unit.
     shape : {"linear", "smooth", "sine"}
         Between the points: straight lines, or the cubic spline that starts and ends at rest. "sine" has no
         points: mean + amplitude sin(2 pi frequency t + phase).
-    derivative_of : str
-        Name of the input whose time derivative this one is.
-    mean, amplitude : float or str
-        Of "sine", in the FMU's unit.
-    frequency : float or str
-        Of "sine" [Hz], above 0.
-    phase : float or str
-        Of "sine" [rad].
+    derivative_of : Name of the input whose time derivative this one is.
+    mean, amplitude : Of "sine", in the FMU's unit.
+    frequency : Of "sine" [Hz], above 0.
+    phase : Of "sine" [rad].
 
     Notes
     -----
@@ -80,18 +74,7 @@ class History:
         return self.mean, self.amplitude, self.frequency, self.phase
 
     def at(self, values: Mapping[str, float]) -> History:
-        """The history with the numbers of a run.
-
-        Parameters
-        ----------
-        values : mapping of str to float
-            Values of the run by name.
-
-        Returns
-        -------
-        History
-            Without formulas.
-        """
+        """The history with the numbers of a run: without formulas. `values` of the run by name."""
         if not self.names:
             return self
         time, value = ([number_at(n, values) for n in each] for each in (self.time, self.value))
@@ -159,17 +142,10 @@ class History:
         return found
 
     def taylor(self, stop: float = 0.0) -> list[tuple[float, list[float]]]:
-        """The history as pieces of polynomials.
+        """The history as pieces of polynomials: the time [s] at which each piece starts, and there the value
+        and its derivatives of orders 1 to 3.
 
-        Parameters
-        ----------
-        stop : float
-            Of "sine": end of the pieces [s].
-
-        Returns
-        -------
-        list of tuple
-            The time [s] at which each piece starts, and there the value and its derivatives of orders 1 to 3.
+        `stop`: of "sine": end of the pieces [s].
         """
         if self.shape == "sine":
             return self._wave_pieces(stop)

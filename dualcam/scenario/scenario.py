@@ -26,18 +26,14 @@ class Controller:
 
     Parameters
     ----------
-    create_law : callable
+    create_law
         Function of a module that the workers can import. It returns a new law for each run: a function of the
         time [s] and of the values read, in the order of `reads`. The law returns one number for each of
         `writes`, in their order.
-    period : float or str
-        Time between two calls of the law [s].
-    reads : sequence of str
-        Real variables that the law gets.
-    writes : sequence of str
-        Inputs that the law gives.
-    arguments : mapping of str to float or str
-        Arguments that `create_law` gets by name: numbers, or formulas over the names that vary.
+    period : Time between two calls of the law [s].
+    reads : Real variables that the law gets.
+    writes : Inputs that the law gives.
+    arguments : Arguments that `create_law` gets by name: numbers, or formulas over the names that vary.
 
     Examples
     --------
@@ -71,17 +67,8 @@ class Controller:
         return found
 
     def at(self, values: Mapping[str, float | str]) -> Controller:
-        """The controller with the numbers of a run.
-
-        Parameters
-        ----------
-        values : mapping of str to float or str
-            Values of the run by name; texts for arguments that are such a name alone.
-
-        Returns
-        -------
-        Controller
-            Without formulas.
+        """The controller with the numbers of a run: without formulas. `values` of the run by name; texts for
+        arguments that are such a name alone.
         """
         arguments = {
             name: text if isinstance(text := values.get(str(each)), str) else number_at(each, values)
@@ -108,18 +95,14 @@ class Scenario:
 
     Parameters
     ----------
-    stop : float or str
-        End of the run [s].
-    inputs : mapping of str to History
-        Inputs over time, by name. All others keep their start values.
-    step : float or str, optional
+    stop : End of the run [s].
+    inputs : Inputs over time, by name. All others keep their start values.
+    step
         Step [s] for FMUs that take no derivatives of inputs, and for FMUs that need steps of one length. The
         inputs are then held over each step at their value in the middle. Other steps are as long as the
         histories allow.
-    tolerance : float, optional
-        Relative tolerance of the FMU's integrator.
-    controller : Controller, optional
-        A closed loop.
+    tolerance : Relative tolerance of the FMU's integrator.
+    controller : A closed loop.
 
     Raises
     ------
@@ -195,29 +178,10 @@ class Scenario:
         return tuple(dict.fromkeys(name for part in parts for name in part))
 
     def at(self, values: Mapping[str, float | str]) -> Scenario:
-        """The scenario with the numbers of a run.
+        """The scenario with the numbers of a run: without formulas.
 
-        Parameters
-        ----------
-        values : mapping of str to float or str
-            Values of the run by name, at least those of `names`.
-
-        Returns
-        -------
-        Scenario
-            Without formulas.
-
-        Raises
-        ------
-        StudyError
-            The numbers of this run are no scenario.
-
-        Examples
-        --------
-        >>> from dualcam.study import History, Scenario
-        >>> push = Scenario("2 * half", {"tau": History([0.0, "half", "half"], ["peak", "peak", 0.0])})
-        >>> push.at({"half": 0.2, "peak": 8.0}).inputs["tau"].value
-        [8.0, 8.0, 0.0]
+        `values` of the run by name, at least those of `names`. StudyError: the numbers of this run are no
+        scenario.
         """
         if not self.names:
             return self
@@ -264,26 +228,10 @@ class Scenario:
         return pieces
 
     def steps(self, reads: Sequence[float], interpolates: bool, fixed: bool) -> list[Step]:
-        """The steps of a run that can be read at given times.
+        """The steps of a run that can be read at given times: from 0 to `stop`.
 
-        Parameters
-        ----------
-        reads : sequence of float
-            Times [s].
-        interpolates : bool
-            Whether the FMU takes derivatives of inputs.
-        fixed : bool
-            Whether the FMU needs steps of one length.
-
-        Returns
-        -------
-        list of Step
-            From 0 to `stop`.
-
-        Raises
-        ------
-        StudyError
-            The FMU needs `step`, or a time is no multiple of `step`.
+        `reads`: times [s]. `interpolates`: whether the FMU takes derivatives of inputs. `fixed`: whether the
+        FMU needs steps of one length. StudyError: the FMU needs `step`, or a time is no multiple of `step`.
         """
         laws = {name: self._laws(name) for name in self.inputs}
         marks = [start for pieces in laws.values() for start, _ in pieces] + list(reads)

@@ -70,24 +70,12 @@ class Evaluator:
         self._workers.close()
 
     def __call__(self, rows: ArrayLike) -> Block:
-        """Make one run for each row.
+        """Make one run for each row of `rows`, shape (runs, names): values in the FMU's units, columns in the
+        order of `names`.
 
-        Parameters
-        ----------
-        rows : array_like, shape (runs, names)
-            Values in the FMU's units, columns in the order of `names`.
-
-        Returns
-        -------
-        Block
-            `values`, shape (runs, results), columns in the order of `results`; NaN where a run failed. A
-            series has a column for each instant.
-            `messages`, a dict of place and reason of the runs that failed.
-
-        Raises
-        ------
-        StudyError
-            The rows have another shape, or the workers cannot go on.
+        `values` of the block, shape (runs, results), have columns in the order of `results`; NaN where a run
+        failed. A series has a column for each instant. `messages` are place and reason of the runs that
+        failed. StudyError: the rows have another shape, or the workers cannot go on.
         """
         table = real_array(rows, "rows", StudyError)
         if table.ndim != 2 or table.shape[1] != len(self.names):
