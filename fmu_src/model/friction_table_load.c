@@ -16,7 +16,6 @@
 typedef struct {
     double v, R; /* m/s, N; R = 0 where the file has no loads */
     double mu, log_mu;
-    size_t line;
 } FrictionSample;
 
 typedef struct {
@@ -27,12 +26,18 @@ typedef struct {
 
 /* ---- the file ---- */
 
-static bool check_mu(const CsvFile *csv, const FrictionSample *sample) {
-    return (sample->mu > 0.0 && sample->mu <= FRICTION_MAX) ||
+/* Of sample n; line 1 is the header. */
+static size_t line_of(size_t n) {
+    return n + 2;
+}
+
+static bool check_mu(const CsvFile *csv, const FrictionSamples *s, size_t n) {
+    const double mu = s->sample[n].mu;
+    return (mu > 0.0 && mu <= FRICTION_MAX) ||
            csv_refuse(csv,
                       "line %zu: mu = %s must be > 0 and <= %g; without friction leave out the table and set the "
                       "friction to 0",
-                      sample->line, shortest_decimal(sample->mu).text, FRICTION_MAX);
+                      line_of(n), shortest_decimal(mu).text, FRICTION_MAX);
 }
 
 /* The first sample of a load. */
@@ -42,12 +47,11 @@ static bool check_load(const CsvFile *csv, const FrictionSamples *s, size_t n) {
         return sample->v == 0.0 || csv_refuse(csv,
                                               "line %zu: v_m_s = %s must be 0 in the first line of numbers, which "
                                               "holds the static coefficient",
-                                              sample->line, shortest_decimal(sample->v).text);
+                                              line_of(n), shortest_decimal(sample->v).text);
     if (sample->v != 0.0)
-        return csv_refuse(csv, "line %zu: each load must have the %zu speeds of the first load", sample->line,
-                          s->speeds);
+        return csv_refuse(csv, "line %zu: each load must have the %zu speeds of the first load", line_of(n), s->speeds);
     return sample->R > sample[-1].R ||
-           csv_refuse(csv, "line %zu: R_N = %s must be > %s, the load before", sample->line,
+           csv_refuse(csv, "line %zu: R_N = %s must be > %s, the load before", line_of(n),
                       shortest_decimal(sample->R).text, shortest_decimal(sample[-1].R).text);
 }
 
@@ -57,12 +61,12 @@ static bool check_speed(const CsvFile *csv, const FrictionSamples *s, size_t n) 
     const double same = s->sample[n % s->speeds].v;
     if (sample->R != sample[-1].R)
         return csv_refuse(csv, "line %zu: R_N = %s must be %s: a load begins with v_m_s = 0 and has all speeds",
-                          sample->line, shortest_decimal(sample->R).text, shortest_decimal(sample[-1].R).text);
+                          line_of(n), shortest_decimal(sample->R).text, shortest_decimal(sample[-1].R).text);
     if (!(sample->v > sample[-1].v))
-        return csv_refuse(csv, "line %zu: v_m_s = %s must be > %s, that of the line before", sample->line,
+        return csv_refuse(csv, "line %zu: v_m_s = %s must be > %s, that of the line before", line_of(n),
                           shortest_decimal(sample->v).text, shortest_decimal(sample[-1].v).text);
     return sample->v == same ||
-           csv_refuse(csv, "line %zu: v_m_s = %s must be %s, the speed that the first load has there", sample->line,
+           csv_refuse(csv, "line %zu: v_m_s = %s must be %s, the speed that the first load has there", line_of(n),
                       shortest_decimal(sample->v).text, shortest_decimal(same).text);
 }
 
@@ -72,7 +76,7 @@ static bool find_grid(const CsvFile *csv, FrictionSamples *s, bool with_loads) {
     while (s->speeds < s->count && s->sample[s->speeds].v != 0.0) s->speeds++; /* at most one turn per sample */
     if (s->speeds < s->count && s->speeds < FRICTION_SAMPLES_MIN)
         return csv_refuse(csv, "line %zu: R_N = %s must be %s: a load has all its speeds, at least %d, in turn",
-                          s->sample[s->speeds].line, shortest_decimal(s->sample[s->speeds].R).text,
+                          line_of(s->speeds), shortest_decimal(s->sample[s->speeds].R).text,
                           shortest_decimal(s->sample[0].R).text, FRICTION_SAMPLES_MIN);
     if (s->speeds < FRICTION_SAMPLES_MIN)
         return csv_refuse(csv, "%zu points, but there must be at least %d", s->speeds, FRICTION_SAMPLES_MIN);
@@ -86,7 +90,7 @@ static bool find_grid(const CsvFile *csv, FrictionSamples *s, bool with_loads) {
 static bool check_samples(const CsvFile *csv, FrictionSamples *s, bool with_loads) {
     if (!find_grid(csv, s, with_loads)) return false;
     for (size_t n = 0; n < s->count; n++)
-        if (!(n % s->speeds == 0 ? check_load(csv, s, n) : check_speed(csv, s, n)) || !check_mu(csv, &s->sample[n]))
+        if (!(n % s->speeds == 0 ? check_load(csv, s, n) : check_speed(csv, s, n)) || !check_mu(csv, s, n))
             return false;
     return s->count == s->speeds * s->loads ||
            csv_refuse(csv, "%zu points, but there must be %zu: each load must have the %zu speeds of the first load",
@@ -107,7 +111,7 @@ static bool read_samples(CsvFile *csv, FrictionSamples *s) {
         const double mu = value[1 + with_loads], R = with_loads ? value[1] : 0.0;
         if (with_loads && !(R > 0.0))
             return csv_refuse(csv, "line %zu: R_N = %s must be > 0", csv->line, shortest_decimal(R).text);
-        s->sample[s->count] = (FrictionSample){value[0], R, mu, elementary_log(mu), csv->line};
+        s->sample[s->count] = (FrictionSample){value[0], R, mu, elementary_log(mu)};
     }
     return check_samples(csv, s, with_loads != 0);
 }

@@ -244,4 +244,7 @@ def _descent(f: Callable[[float], float], low: float, high: float, at_low: float
         if inner is None:
             return low
         low = inner
-    return float(brentq(f, low, high, xtol=1e-17 + 4e-16 * abs(high), rtol=9e-16))
+    try:
+        return float(brentq(f, low, high, xtol=1e-17 + 4e-16 * abs(high), rtol=9e-16))
+    except ValueError:  # one end is the zero: a pin found from another start differs by rounding
+        return min((low, high), key=lambda t: abs(f(t)))
