@@ -11,12 +11,12 @@ import pytest
 import test_model_exchange as exchange
 import test_output_derivatives as output_derivatives
 import test_step_sensitivity as step_sensitivity
-from driver import Driver, models
+from driver import models
+from helix_balance import MASSES, check_directional_derivatives, check_imposed_motion, drawn_motion
 from reference import simulate
 from reference.friction import TableLaw
 from reference.scene import Interval
 from scipy.integrate import solve_ivp
-from test_friction_law import required, slope
 from test_sensitivity import partial
 
 FORWARD, INVERSE = models["DualCamForward"], models["DualCamInverse"]
@@ -88,9 +88,7 @@ def test_curve_is_twice_differentiable():
         assert abs(curve.derivative(1)(curve.x[-1])) + abs(curve.derivative(2)(curve.x[-1])) <= 1e-9 * scale
 
 
-def test_torque_of_an_imposed_motion(make_model, tables, monkeypatch):
-    law = TableLaw(*map(np.array, STRIBECK))
-    monkeypatch.setattr("test_friction_law.law", lambda p, i, v: law.at(v))
+def test_torque_of_an_imposed_motion(make_model, tables):
     rng = np.random.default_rng(3)
     for _ in range(60):
         p = tables() | {"contacts": int(rng.integers(1, 3)), "spring.stiffness2": 1e5}
@@ -98,15 +96,7 @@ def test_torque_of_an_imposed_motion(make_model, tables, monkeypatch):
             p |= {f"cam{i}.radius": rng.uniform(0.01, 0.03), f"cam{i}.lead_angle": rng.uniform(0.4, 1.0)}
         p |= {"inertia.follower_mass": rng.uniform(0, 3), "inertia.follower": rng.uniform(0, 1e-3)}
         p |= {"shaft.damping": rng.uniform(0, 0.01), "damper.c_load": rng.uniform(0, 50)}
-        omega = rng.choice([-1, 1]) * 10 ** rng.uniform(-2, 1.3)
-        at = {"theta": rng.uniform(0.1, 1.2), "omega": omega, "alpha": rng.uniform(-100, 100), "F_ext": 20.0}
-        fmu = make_model(INVERSE).start(p | at)
-        torque, reactions, _, powers = required(p, *at.values())
-        assert fmu.get("tau") == pytest.approx(torque, rel=1e-11)
-        for i in (1, 2):
-            assert fmu.get(f"cam{i}.reaction") == pytest.approx(reactions[i - 1], rel=1e-11)
-            power = fmu.get(f"cam{i}.friction_coefficient") * abs(reactions[i - 1]) * p["contacts"]
-            assert fmu.get(f"cam{i}.friction_power") == pytest.approx(power * powers[i - 1], rel=1e-10)
+        check_imposed_motion(make_model, p, drawn_motion(rng), 1e-11)
 
 
 def test_band_has_the_coefficients_at_rest(make_model, tables):
@@ -277,27 +267,9 @@ def test_inverse_ledger(make_model, tables):
 # ---- derivatives ----
 
 
-def check_directional_derivatives(make_model, values, omega, rel):
-    """Of both FMUs in slip, against differences of instances that start beside."""
-    for model, unknown, at in (
-        (FORWARD, "alpha", {"initial.theta": 0.4, "initial.omega": omega, "tau": 5.0}),
-        (INVERSE, "tau", {"theta": 0.4, "omega": omega, "alpha": 3.0}),
-    ):
-
-        def one(name: str, value: float, start=values | at, model=model) -> Driver:
-            key = f"initial.{name}" if model is FORWARD and name in ("theta", "omega") else name
-            return make_model(model).start(start | {key: value})
-
-        fmu = make_model(model).start(values | at)
-        for known in ("theta", "omega", "F_ext", "cam1.friction", "spring.stiffness"):
-            expected = slope(one, known, fmu.get(known), unknown)
-            assert partial(fmu, unknown, known) == pytest.approx(expected, rel=rel, abs=1e-6), known
-
-
 @pytest.mark.parametrize("omega", [0.3, 4.0, -1.0])
 def test_directional_derivatives(make_model, tables, omega):
-    values = tables() | {"inertia.follower_mass": 1.0, "inertia.follower": 1e-4, "cam2.radius": 0.025}
-    check_directional_derivatives(make_model, values, omega, 1e-5)
+    check_directional_derivatives(make_model, tables() | MASSES, omega, ["cam1.friction", "spring.stiffness"])
 
 
 @pytest.mark.parametrize("direction", [1, -1])
