@@ -216,24 +216,6 @@ def test_contacts_lock_where_their_coefficient_does(make_model):
     assert above.get("theta") == 0.3
 
 
-def test_jam_under_the_spring_is_refused(make_model):
-    fmu = make_model(FORWARD)
-    steep = {"friction_load_exponent": 0.9, "lead_angle": 1.2}
-    fmu.set({f"cam{i}.{name}": value for i in (1, 2) for name, value in steep.items()})
-    fmu.setup()
-    fmu.ok("fmi2EnterInitializationMode")
-    assert "friction" in fmu.refused_start()
-
-
-def test_a_damper_asks_for_an_inertia(make_model):
-    """Its force is part of the load, so that the coefficient would depend on the unknown speed."""
-    fmu = make_model(FORWARD)
-    fmu.set({"cam2.friction_load_exponent": -0.2, "inertia.shaft": 0.0, "damper.c_load": 10.0})
-    fmu.setup()
-    fmu.ok("fmi2EnterInitializationMode")
-    assert "inertia.shaft" in fmu.refused_start()
-
-
 @pytest.mark.parametrize("value", [-0.91, 0.91, math.nan])
 def test_exponent_out_of_range(make_model, value):
     make_model(FORWARD).refused_set(

@@ -221,10 +221,7 @@ def test_bounces_come_to_an_end(make_model, restitution):
 def slipping(make_model, values=None, tau=20.0):
     """In continuous time, in the middle of a motion."""
     fmu = make_model(FORWARD, kind=MODEL_EXCHANGE)
-    fmu.set({"initial.theta": 0.6, "initial.omega": 4.0, "tau": tau} | (values or {}))
-    fmu.setup()
-    fmu.ok("fmi2EnterInitializationMode")
-    fmu.ok("fmi2ExitInitializationMode")
+    fmu.start({"initial.theta": 0.6, "initial.omega": 4.0, "tau": tau} | (values or {}))
     fmu.settle()
     return fmu
 
@@ -386,10 +383,7 @@ def test_a_state_of_co_simulation_is_refused(make_model):
 
 def test_inverse_keeps_its_direction_until_an_event(make_model):
     fmu = make_model(INVERSE, kind=MODEL_EXCHANGE)
-    fmu.set({"theta": 0.5, "omega": 1.0})
-    fmu.setup()
-    fmu.ok("fmi2EnterInitializationMode")
-    fmu.ok("fmi2ExitInitializationMode")
+    fmu.start({"theta": 0.5, "omega": 1.0})
     fmu.settle()
     loading = fmu.get("tau")
     assert fmu.vector("fmi2GetEventIndicators", 1)[0] > 0.0
@@ -414,10 +408,7 @@ def test_inverse_agrees_with_co_simulation(make_model, values):
     values = {name: value for name, value in values.items() if value is not None}
     exchange, whole = make_model(INVERSE, kind=MODEL_EXCHANGE), make_model(INVERSE)
     for fmu in (exchange, whole):
-        fmu.set(values | swing(0.0))
-        fmu.setup()
-        fmu.ok("fmi2EnterInitializationMode")
-        fmu.ok("fmi2ExitInitializationMode")
+        fmu.start(values | swing(0.0))
     exchange.settle()
     enter, end = ctypes.c_int(), ctypes.c_int()
     for k in range(1, 101):
@@ -439,10 +430,7 @@ def test_inverse_agrees_with_co_simulation(make_model, values):
 @pytest.mark.parametrize("missing", [[], ["damper.c_load"]], ids=["play", "viscous"])
 def test_without_inertia_there_is_no_model_exchange(make_model, missing):
     fmu = make_model(FORWARD, kind=MODEL_EXCHANGE)
-    fmu.set({"inertia.shaft": 0.0} | dict.fromkeys(missing, 10.0))
-    fmu.setup()
-    fmu.ok("fmi2EnterInitializationMode")
-    assert "inertia" in fmu.refused_start()
+    assert "inertia" in fmu.refused_start({"inertia.shaft": 0.0} | dict.fromkeys(missing, 10.0))
     fmu.set({"inertia.shaft": 0.001})
     fmu.ok("fmi2ExitInitializationMode")
 
@@ -461,9 +449,7 @@ def test_states_of_impossible_parameters_do_not_exist(make_model):
 @pytest.mark.parametrize("model", models.values(), ids=repr)
 def test_vectors_of_another_length_are_refused(make_model, model):
     fmu = make_model(model, kind=MODEL_EXCHANGE)
-    fmu.setup()
-    fmu.ok("fmi2EnterInitializationMode")
-    fmu.ok("fmi2ExitInitializationMode")
+    fmu.start()
     fmu.settle()
     room = (ctypes.c_double * 20)()
     counts = {"fmi2GetEventIndicators": INDICATORS[model]}

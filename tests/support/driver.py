@@ -393,8 +393,10 @@ class Driver(Calls):
         # The FMU must use its own copy of the callbacks.
         ctypes.memset(byref(callbacks), 0, ctypes.sizeof(callbacks))
 
-    def refused_start(self) -> str:
-        """The FMU cannot leave initialization mode; returns why."""
+    def refused_start(self, values: dict | None = None) -> str:
+        """With these values the FMU cannot leave initialization mode; returns why."""
+        self.set(values or {})
+        self.ok("fmi2EnterInitializationMode")
         count = len(self.messages)
         assert self.call("fmi2ExitInitializationMode") == ERROR
         assert len(self.messages) == count + 1
