@@ -164,34 +164,19 @@ REGIMES = {
 }
 
 
-def check_output_derivatives(make_model, groove, regime, values, direction):
-    """In slip of one direction, between events; `values`: what makes the regime."""
-    base = output_derivatives.LINEAR | output_derivatives.CURVED | output_derivatives.GROOVES[groove]
-    fmu, inputs = output_derivatives.slipping(make_model, base | values, direction)
-    mode = 2 if direction > 0 else 3
-    step = output_derivatives.H["inertial" if regime.startswith("inertial") else "viscous"]
-    output_derivatives.check_between_events(fmu, inputs, 0.3 * step, mode)
-
-
 @pytest.mark.parametrize("direction", [1, -1])
 @pytest.mark.parametrize("regime", REGIMES)
 @pytest.mark.parametrize("groove", ["helices", "ellipses"])
 def test_output_derivatives(make_model, groove, regime, direction):
-    check_output_derivatives(make_model, groove, regime, REGIMES[regime], direction)
+    base = output_derivatives.LINEAR | output_derivatives.CURVED | output_derivatives.GROOVES[groove]
+    step = output_derivatives.H["inertial" if regime.startswith("inertial") else "viscous"]
+    output_derivatives.check_slip(make_model, base | REGIMES[regime], direction, 0.3 * step)
 
 
-Scene = step_sensitivity.Scene
 SCENES = {
     f"{name}, {word}": scene
     for word, laws in LAWS.items()
-    for name, scene in {
-        "slip": Scene(step_sensitivity.SLIP | laws, 6.0, 0.01, size=1e-3),
-        "slip, ellipses": Scene(
-            step_sensitivity.SLIP | laws | step_sensitivity.ELLIPSES, 6.0, 0.01, size=1e-3
-        ),
-        "to rest": Scene(step_sensitivity.SLIP | laws, 3.0, 0.05, mode=1, events=1, size=1e-3),
-        "breakaway": Scene(step_sensitivity.REST | laws, 3.0, 0.03, (100.0,), events=1, size=1e-4),
-    }.items()
+    for name, scene in step_sensitivity.scenes_of_law(laws).items()
 }
 
 
@@ -205,13 +190,7 @@ def test_step_sensitivity(make_model, name):
 
 @pytest.mark.parametrize("laws", ["of speed", "of both"])
 def test_cvode_sees_no_chatter(calls, laws):
-    torque = [(0.0, 0.0), (0.05, 12.0), (0.3, 3.0), (0.6, 30.0), (0.8, -5.0)]
-    wanted = exchange.simulate("CoSimulation", LAWS[laws], torque, 1e-11)
-    found = exchange.simulate("ModelExchange", LAWS[laws], torque, 1e-9)
-    for name, size in exchange.SIZE.items():
-        assert np.abs(found[name] - wanted[name]).max() / size <= 1e-5
-    assert calls["enterEventMode"] <= wanted["events"][-1] + 2 * len(torque)
-    assert calls["getDerivatives"] <= 3_000
+    exchange.check_no_chatter(LAWS[laws], calls, 3_000)
 
 
 calls = exchange.calls

@@ -279,36 +279,19 @@ def test_output_derivatives(make_model, tables, groove, direction):
     values = (
         base | output_derivatives.REGIMES["inertial"] | tables(([0, 0.1, 1.0, 3.0], [0.2, 0.16, 0.1, 0.12]))
     )
-    fmu, inputs = output_derivatives.slipping(make_model, values, direction)
-    mode = 2 if direction > 0 else 3
-    output_derivatives.check_between_events(fmu, inputs, 0.3 * output_derivatives.H["inertial"], mode)
+    output_derivatives.check_slip(make_model, values, direction, 0.3 * output_derivatives.H["inertial"])
 
 
 @pytest.mark.parametrize("name", ["slip", "to rest", "breakaway"])
 def test_step_sensitivity(make_model, tables, name):
-    start, scene = step_sensitivity.SLIP | tables(), step_sensitivity.Scene
-    rest = step_sensitivity.REST | tables()
-    step_sensitivity.check(
-        make_model,
-        {
-            "slip": scene(start, 6.0, 0.01, size=1e-3),
-            "to rest": scene(start, 3.0, 0.05, mode=1, events=1, size=1e-3),
-            "breakaway": scene(rest, 3.0, 0.03, (100.0,), events=1, size=1e-4),
-        }[name],
-    )
+    step_sensitivity.check(make_model, step_sensitivity.scenes_of_law(tables())[name])
 
 
 # ---- model exchange, states ----
 
 
 def test_cvode_sees_no_chatter(calls, tables):
-    torque = [(0.0, 0.0), (0.05, 12.0), (0.3, 3.0), (0.6, 30.0), (0.8, -5.0)]
-    wanted = exchange.simulate("CoSimulation", tables(), torque, 1e-11)
-    found = exchange.simulate("ModelExchange", tables(), torque, 1e-9)
-    for name, size in exchange.SIZE.items():
-        assert np.abs(found[name] - wanted[name]).max() / size <= 1e-5
-    assert calls["enterEventMode"] <= wanted["events"][-1] + 2 * len(torque)
-    assert calls["getDerivatives"] <= 4_000
+    exchange.check_no_chatter(tables(), calls, 4_000)
 
 
 calls = exchange.calls

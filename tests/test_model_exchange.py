@@ -102,6 +102,17 @@ def test_cvode_agrees_with_co_simulation(values, torque, calls):
         assert error[1e-9][name] <= error[1e-6][name] / 30.0
 
 
+def check_no_chatter(values: dict, calls: Counter, most_derivatives: int) -> None:
+    """CVode agrees with co-simulation, in few events and evaluations, through stick, slip and reversals."""
+    torque = [(0.0, 0.0), (0.05, 12.0), (0.3, 3.0), (0.6, 30.0), (0.8, -5.0)]
+    wanted = simulate("CoSimulation", values, torque, 1e-11)
+    found = simulate("ModelExchange", values, torque, 1e-9)
+    for name, size in SIZE.items():
+        assert np.abs(found[name] - wanted[name]).max() / size <= 1e-5
+    assert calls["enterEventMode"] <= wanted["events"][-1] + 2 * len(torque)
+    assert calls["getDerivatives"] <= most_derivatives
+
+
 # ---- a solver of our own, which applies inputs at every instant ----
 
 

@@ -162,6 +162,17 @@ SCENES = {
     "stick, ramp": Scene(REST, 3.0, 0.01, (20.0,), mode=1),
 }
 
+
+def scenes_of_law(laws: dict) -> dict[str, Scene]:
+    """With friction that varies."""
+    return {
+        "slip": Scene(SLIP | laws, 6.0, 0.01, size=1e-3),
+        "slip, ellipses": Scene(SLIP | laws | ELLIPSES, 6.0, 0.01, size=1e-3),
+        "to rest": Scene(SLIP | laws, 3.0, 0.05, mode=1, events=1, size=1e-3),
+        "breakaway": Scene(REST | laws, 3.0, 0.03, (100.0,), events=1, size=1e-4),
+    }
+
+
 STEADY = ("play, ramp", "play, the load changes its sign")  # helices: the speed depends on the ramp alone
 
 
