@@ -1,16 +1,19 @@
 """A parameter study, and checks of its runs, that several tests share."""
 
 import itertools
+from functools import partial
 
 import numpy as np
 import pytest
 from driver import models
+from refusals import refused_by
 
 from dualcam.design import Table
 from dualcam.errors import StudyError
 from dualcam.study import Controller, History, Plan, Scenario, Study, Vary, read_results
 from dualcam.study.run.runner import Runner
 
+refused = partial(refused_by, StudyError)
 FORWARD, INVERSE = (model.fmu for model in models.values())
 DESIGN = {
     "cam1.radius": Vary(0.015, 0.03),
@@ -31,10 +34,6 @@ def runs_of(one, rows=None):
     block = runner.run(one.plan.rows(0, one.plan.count) if rows is None else rows)
     runner.close()
     return block
-
-
-def refused(*mentions):
-    return pytest.raises(StudyError, match="".join(f"(?=(?s:.*){mention})" for mention in mentions))
 
 
 def closed(make, stop=0.05, period=1e-3):
