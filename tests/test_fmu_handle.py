@@ -298,7 +298,7 @@ WRONG_CALLS = {
     "start at nan": (lambda fmu: fmu.start({}, math.nan), "time = nan"),
     "tolerance as text": (lambda fmu: fmu.start({}, 0.0, "1e-9"), "tolerance = '1e-9'"),
     "start value of a number": (lambda fmu: fmu.start({5: 1.0}), r"start\(\{5: 1.0\}\)"),
-    "state of nothing": (lambda fmu: fmu.restore_state(None), r"\(None\): allowed is a state from save_state"),
+    "state of nothing": (lambda fmu: fmu.restore_state(None), r"restore_state\(None\): allowed is a state"),
     "value of nothing": (lambda fmu: fmu.get(None), "variable None"),
     "group of a list": (lambda fmu: fmu.reals(["tau"]), r"variable \['tau'\]"),
     "one name": (lambda fmu: fmu.jacobian("alpha", ["tau"]), "unknowns = 'alpha': allowed is a list"),

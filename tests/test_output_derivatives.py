@@ -311,10 +311,7 @@ def read_along(fmu: Driver, motion: dict, times) -> dict:
 @pytest.mark.parametrize("regime", REGIMES)
 @pytest.mark.parametrize("groove", GROOVES)
 def test_torque_along_a_motion(make_model, grooves, groove, regime, direction, F_ext):
-    motion = {
-        "theta": [0.5, 3.0 * direction, 20.0, -700.0, 4000.0],
-        "F_ext": [F_ext, 200.0, -3000.0],
-    }
+    motion = {"theta": [0.5, 3.0 * direction, 20.0, -700.0, 4000.0], "F_ext": [F_ext, 200.0, -3000.0]}
     h = 1e-3
     fmu = make_model(INVERSE)
     fmu.set(imposed(motion, 0.0))

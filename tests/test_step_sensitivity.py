@@ -144,11 +144,7 @@ SCENES = {
         MASSLESS | {"stop.lower": -1.0, "initial.theta": -0.3}, -1.0, 0.03, (100.0,), events=1
     ),
     "play, ellipses, the load changes its sign": Scene(
-        MASSLESS | ELLIPSES | {"stop.lower": -0.4, "initial.theta": -0.3},
-        -1.0,
-        0.03,
-        (100.0,),
-        size=1e-3,
+        MASSLESS | ELLIPSES | {"stop.lower": -0.4, "initial.theta": -0.3}, -1.0, 0.03, (100.0,), size=1e-3
     ),
     "play, steeper ellipses, the spring softens": Scene(
         LOW | MASSLESS | ELLIPSES | STEEPENING | SOFTENING, 0.5, 0.03, (10.0,), events=1, size=1e-3

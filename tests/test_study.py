@@ -503,10 +503,7 @@ def test_a_run_that_kills_its_worker_is_a_failed_row(tmp_path):
     dask = pytest.importorskip("dask")
     starts = Plan("grid", {"initial.theta": Vary(0.1, 1.0, count=4)})  # 0.4 is the second
     one = study(starts, closed(deadly), ["theta"])
-    with (
-        dask.config.set({"distributed.scheduler.allowed-failures": 0}),
-        cluster_of(n_workers=2) as cluster,
-    ):
+    with dask.config.set({"distributed.scheduler.allowed-failures": 0}), cluster_of(n_workers=2) as cluster:
         one.run_to_files(tmp_path, scheduler=cluster.scheduler_address, runs_per_file=1)
     every_run_once(tmp_path, one)
     assert read_results(tmp_path)["message"].tolist() == ["", DIED, "", ""]

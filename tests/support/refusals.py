@@ -1,6 +1,5 @@
 """What tests expect of errors."""
 
-
 import pytest
 
 
