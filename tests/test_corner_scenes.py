@@ -476,6 +476,12 @@ def test_refused_start(make, name):
         assert word in text
 
 
+def test_a_table_of_speeds_asks_for_an_inertia(make, tmp_path):
+    (tmp_path / "law.csv").write_text("v_m_s,mu\n0,0.2\n0.1,0.21\n0.2,0.22\n")
+    text = make().refused_start(MASSLESS | {"cam2.friction_table": str(tmp_path / "law.csv")})
+    assert "cam2.friction_table" in text and "inertia.shaft" in text
+
+
 def test_a_refusal_names_an_inertia_that_works(make):
     params = STARTS["a follower that outweighs the shaft"][0]
     named = float(make().refused_start(params).rpartition("must exceed ")[2])

@@ -1,4 +1,5 @@
-"""Plan files with mistakes: all are told at once, each with key, value, what is allowed and what works."""
+"""Mistakes in distributions and in plans from Python: each is told with key, value, what is allowed and what
+works. Mistakes in plan files: test_study_ten_mistakes.py."""
 
 import re
 

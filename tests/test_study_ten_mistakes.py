@@ -1,5 +1,6 @@
-"""Plans with many mistakes get all messages of a stage at once: what the schema refuses; else what is wrong
-with values, files and formulas; else what the FMU does not have or allow; else the columns of pictures."""
+"""One mistake in a plan file gets one message. Many mistakes get all messages of a stage at once: what the
+schema refuses; else what is wrong with values, files and formulas; else what the FMU does not have or allow;
+else the columns of pictures."""
 
 from dataclasses import dataclass
 from functools import partial
