@@ -21,7 +21,6 @@ from helix_balance import (
 from scipy.optimize import brentq
 from test_friction_law import LOADED, STRIBECK, WEARING
 from test_general_accuracy import TOLERANCES, cuts, title, verdict
-from test_sensitivity import partial
 
 LAW = ("friction", "friction_peak", "stribeck_velocity", "friction_viscous")
 TUNED = [f"cam{i}.{n}" for i in (1, 2) for n in (*LAW, "friction_load_exponent", "friction_load")]
@@ -132,7 +131,7 @@ def test_directional_derivatives_with_an_elastic_shaft(make_model):
     for known in ["theta", "F_ext", "spring.stiffness", "cam1.friction", *TUNED[4:6], *TUNED[-2:]]:
         if known.endswith(("friction_viscous", "velocity")):
             continue
-        found, expected = partial(fmu, "tau", known), slope(one, known, fmu.get(known), "tau")
+        found, expected = fmu.partial("tau", known), slope(one, known, fmu.get(known), "tau")
         assert found == pytest.approx(expected, rel=1e-5, abs=1e-7 * abs(fmu.get("tau"))), known
 
 

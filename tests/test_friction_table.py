@@ -17,7 +17,6 @@ from reference import simulate
 from reference.friction import TableLaw
 from reference.scene import Interval
 from scipy.integrate import solve_ivp
-from test_sensitivity import partial
 
 FORWARD, INVERSE = models["DualCamForward"], models["DualCamInverse"]
 STRIBECK = [0.0, 0.005, 0.02, 0.05, 0.1, 0.2], [0.2, 0.17, 0.12, 0.11, 0.115, 0.13]
@@ -115,7 +114,7 @@ def test_other_friction_parameters_are_not_used(make_model, tables):
         one.step(0.05, tau=7.0)
     assert fmu.get("theta") == other.get("theta") > 0
     for name in ("cam1.friction", "cam2.friction_peak", "cam1.stribeck_velocity", "cam1.friction_viscous"):
-        assert partial(fmu, "alpha", name) == 0.0
+        assert fmu.partial("alpha", name) == 0.0
 
 
 # ---- motion ----

@@ -408,6 +408,13 @@ class Driver(Calls):
         self.ok("fmi2GetRealStatus", LAST_SUCCESSFUL_TIME, byref(time))
         return values | {"time": time.value.hex()}
 
+    def partial(self, unknown: str, known: str, seed: float = 1.0) -> float:
+        """The partial derivative, times the seed."""
+        result, references = (c_double * 1)(), self.model.references
+        arguments = references([unknown]), 1, references([known]), 1, to_c("Real", [seed]), result
+        self.ok("fmi2GetDirectionalDerivative", *arguments)
+        return result[0]
+
     # life
 
     def setup(self, time: float = 0.0, tolerance: float | None = None) -> None:

@@ -8,7 +8,6 @@ import pytest
 from driver import Driver, models
 from reference.friction import FrictionLaw
 from reference.parameters import DEFAULTS
-from test_sensitivity import partial
 
 FORWARD, INVERSE = models["DualCamForward"], models["DualCamInverse"]
 MASSES = {"inertia.follower_mass": 1.0, "inertia.follower": 1e-4, "cam2.radius": 0.025}
@@ -111,5 +110,5 @@ def check_directional_derivatives(make_model, values: dict, omega: float, more=(
         for known in ["theta", "omega", *own, "F_ext", *more]:
             if known.endswith(("_peak", "_viscous", "c_load")) and fmu.get(known) in (0.0, 1.0):
                 continue  # a difference would leave the range
-            found, expected = partial(fmu, unknown, known), slope(one, known, fmu.get(known), unknown)
+            found, expected = fmu.partial(unknown, known), slope(one, known, fmu.get(known), unknown)
             assert found == pytest.approx(expected, rel=rel, abs=1e-7 * abs(fmu.get(unknown))), known
