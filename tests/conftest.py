@@ -10,7 +10,7 @@ from hypothesis import settings
 from hypothesis.internal.conjecture import providers
 
 # Helpers whose failed assertions pytest shows with values, as it does in test files.
-pytest.register_assert_rewrite("control_cases", "fmi3_scenes", "state_table", "study_cases")
+pytest.register_assert_rewrite("control_cases", "fmi3_scenes", "helix_balance", "state_table", "study_cases")
 
 # Hypothesis also tries constants out of the source of whatever modules are loaded: then the derandomized
 # profile would depend on which tests ran before in the same process.

@@ -11,17 +11,7 @@ from dualcam.checking import check_design
 from dualcam.checking.remedies import nearest_working, round_away
 from dualcam.checking.rules import troubles
 from dualcam.checking.trouble import with_value
-from dualcam.design import (
-    Ellipse,
-    Helix,
-    Limits,
-    Mechanism,
-    Pin,
-    Spring,
-    Table,
-    assess,
-    hertz_pressure,
-)
+from dualcam.design import Ellipse, Helix, Limits, Mechanism, Pin, Spring, Table, assess, hertz_pressure
 from dualcam.design_file import TEMPLATES, read_design, write_template
 from dualcam.errors import DesignError, FmuError
 from dualcam.fmi.library import fmu_path
@@ -197,10 +187,7 @@ def test_a_value_is_said_to_work_only_if_the_whole_check_passes(design, text):
         ('cam1.radius = 18\ncam2.radius = 22\npin = {radius = "3 mm", width = "8 mm"}', "cam1.radius"),
         ('stop.upper = 75\npin = {radius = "3 mm", width = "0.1 mm"}', "stop.upper"),
         ('stop.upper = 75\ncam1 = {profile = "table", table = "short.csv"}', "stop.upper"),
-        (
-            '[spring]\nstiffness = 35\nfree_length = "70 mm"\nsolid_length = "38 mm"',
-            "spring.stiffness",
-        ),
+        ('[spring]\nstiffness = 35\nfree_length = "70 mm"\nsolid_length = "38 mm"', "spring.stiffness"),
     ],
 )
 def test_a_likely_wrong_unit_comes_first_and_no_other_value_is_proposed(design, text, key):
@@ -477,22 +464,18 @@ def test_any_design_gets_a_verdict_and_every_proposal_cures_its_finding(design):
     assert proposals > 5
 
 
-def test_a_parameter_of_the_other_model_is_named(tmp_path):
-    path = tmp_path / "my.toml"
-    path.write_text(NEST + "[shaft]\nstiffness = 100.0\n[scenario]\nstop = 1.0\n", encoding="utf-8")
-    verdict = check_design(read_design(path))
+def test_a_parameter_of_the_other_model_is_named(design):
+    verdict = check_design(design(NEST + "[shaft]\nstiffness = 100.0\n[scenario]\nstop = 1.0\n"))
     (finding,) = verdict.findings
     assert verdict.good and (finding.severity, finding.line) == ("warning", 4)
     assert finding.text == "shaft.stiffness = 100.0 is not used: the forward model has no such parameter"
 
 
-def test_an_unknown_parameter_is_answered_by_the_nearest_name(tmp_path):
-    path = tmp_path / "my.toml"
-    path.write_text("[cam1]\nradius = 0.03\n", encoding="utf-8")
-    design = read_design(path)
-    assert (design.value("cam1.radius"), design.value("cam2.radius")) == (0.03, 0.02)
+def test_an_unknown_parameter_is_answered_by_the_nearest_name(design):
+    one = design("[cam1]\nradius = 0.03\n")
+    assert (one.value("cam1.radius"), one.value("cam2.radius")) == (0.03, 0.02)
     with pytest.raises(DesignError, match=r"cam1\.raduis is no parameter: did you mean cam1\.radius"):
-        design.value("cam1.raduis")
+        one.value("cam1.raduis")
 
 
 @pytest.mark.parametrize(
@@ -507,11 +490,9 @@ def test_an_unknown_parameter_is_answered_by_the_nearest_name(tmp_path):
         ("stop = 1.0\ninputs.tau = {time = [0.0, 0.5], value = [0.0, 6.0]}", ""),
     ],
 )
-def test_scenarios_that_do_nothing_get_a_warning(tmp_path, scenario, words):
+def test_scenarios_that_do_nothing_get_a_warning(design, scenario, words):
     """The default mechanism loads at 0.66 N.m at theta = 0 and at 9.9 N.m at the upper stop."""
-    path = tmp_path / "my.toml"
-    path.write_text(f"{NEST}[scenario]\n{scenario}\n", encoding="utf-8")
-    verdict = check_design(read_design(path))
+    verdict = check_design(design(f"{NEST}[scenario]\n{scenario}\n"))
     assert verdict.good
     texts = [finding.text for finding in verdict.findings]
     assert any(words in text for text in texts) if words else texts == []

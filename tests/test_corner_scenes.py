@@ -468,31 +468,24 @@ STARTS = {
 }  # fmt: skip
 
 
-def refusal(fmu, params):
-    fmu.set(params)
-    fmu.setup()
-    fmu.ok("fmi2EnterInitializationMode")
-    return fmu.refused_start()
-
-
 @pytest.mark.parametrize("name", STARTS)
 def test_refused_start(make, name):
     params, words = STARTS[name]
-    text = refusal(make(), params)
+    text = make().refused_start(params)
     for word in words:
         assert word in text
 
 
 def test_a_table_of_speeds_asks_for_an_inertia(make, tmp_path):
     (tmp_path / "law.csv").write_text("v_m_s,mu\n0,0.2\n0.1,0.21\n0.2,0.22\n")
-    text = refusal(make(), MASSLESS | {"cam2.friction_table": str(tmp_path / "law.csv")})
+    text = make().refused_start(MASSLESS | {"cam2.friction_table": str(tmp_path / "law.csv")})
     assert "cam2.friction_table" in text and "inertia.shaft" in text
 
 
 def test_a_refusal_names_an_inertia_that_works(make):
     params = STARTS["a follower that outweighs the shaft"][0]
-    named = float(refusal(make(), params).rpartition("must exceed ")[2])
-    assert refusal(make(), params | {"inertia.shaft": named * (1 - 1e-6)})
+    named = float(make().refused_start(params).rpartition("must exceed ")[2])
+    assert make().refused_start(params | {"inertia.shaft": named * (1 - 1e-6)})
     fmu = make().start(params | {"inertia.shaft": named * (1 + 1e-6)})
     assert fmu.get("friction_class") == 2
 

@@ -217,9 +217,7 @@ def at_states(instance, fmi, states):
 
 def begin_model_exchange(instance, fmi, values=None):
     if fmi == 2:
-        instance.set(values or {})
-        instance.setup()
-        instance.enter(driver.STEP)
+        instance.start(values)
         instance.settle()
     else:
         instance.initialize(values)
@@ -270,10 +268,7 @@ def test_two_exported_fmus_in_one_process(exported, parameters):
 
 @each_version
 def test_a_serialized_state_of_another_fmu_is_refused(exported, factory, fmi):
-    first, second = (
-        exported("helix", fmi=fmi).instance().start(),
-        exported("ellipse", fmi=fmi).instance().start(),
-    )
+    first, second = (exported(design, fmi=fmi).instance().start() for design in ("helix", "ellipse"))
     content = first.to_bytes(state := first.take())
     function = "fmi2DeSerializeFMUstate" if fmi == 2 else "DeserializeFMUState"
     for other in (second, factory("forward", fmi).start()):
@@ -317,8 +312,6 @@ def test_without_a_location_a_relative_table_is_refused(exported, fmi, location)
     instance = exported("table", fmi=fmi).instance(resources=location)
     instance.set({"cam1.friction": 0.1})
     if fmi == 2:
-        instance.setup()
-        instance.ok("fmi2EnterInitializationMode")
         text = instance.refused_start()
     else:
         instance.ok("EnterInitializationMode", False, 0.0, 0.0, False, 0.0)
@@ -369,17 +362,9 @@ def test_the_sources_compile_to_the_same_fmu(exported, tmp_path):
     fmu = exported("table")
     library = tmp_path / fmu.binary.name
     sources = sorted(p.relative_to(fmu.folder / "sources") for p in (fmu.folder / "sources").rglob("*.c"))
-    options = [
-        "-std=c17",
-        "-O0",
-        "-fno-sanitize=undefined",
-        "-ffp-contract=off",
-        "-fPIC",
-        "-shared",
-        "-isystem",
-        build_fmu.fmi_headers(),
-    ]
-    command = [*build_fmu.ZIG, *options, *sources, "-lm", "-o", library]
+    options = ["-std=c17", "-O0", "-fno-sanitize=undefined", "-ffp-contract=off", "-fPIC", "-shared"]
+    headers = ["-isystem", build_fmu.fmi_headers()]
+    command = [*build_fmu.ZIG, *options, *headers, *sources, "-lm", "-o", library]
     subprocess.run(command, cwd=fmu.folder / "sources", check=True, capture_output=True)
     compiled = driver.Driver(driver.load(library), model=fmu.model, resources=fmu.resources)
     mine = fmu.instance()
@@ -605,6 +590,14 @@ def test_a_parameter_of_the_other_model_is_left_out_with_a_warning(tmp_path):
 
 # ---- the scenario of the design ----
 
+
+def texts(path: Path, *members: str) -> list[str]:
+    with zipfile.ZipFile(path) as archive:
+        return [archive.read(member).decode() for member in members]
+
+
+PAGE, SCENARIO = "documentation/index.html", "extra/scenario_in.csv"
+
 DRIVEN = {
     "forward": {"tau": History((0.0, 0.5, 0.5, 0.8), (0.0, 8.0, 3.0, 0.0)), "F_ext": History((0.0,), (4.0,))},
     "inverse": {
@@ -621,10 +614,8 @@ def test_the_lines_on_the_page_play_the_scenario(tmp_path, monkeypatch, model, f
     """FMPy finds what `dualcam simulate` finds, but for the lag of inputs that are held over a step."""
     scenario = Scenario(1.0, DRIVEN[model])
     path = export_fmu(Design(HELIX, model, scenario=scenario), tmp_path / "MyCam.fmu", fmi)
-    with zipfile.ZipFile(path) as archive:
-        page = archive.read("documentation/index.html").decode()
-        rows = archive.read("extra/scenario_in.csv").decode().splitlines()
-    assert rows[0].split(",")[1:] == list(inputs_of(model))
+    page, rows = texts(path, PAGE, SCENARIO)
+    assert rows.splitlines()[0].split(",")[1:] == list(inputs_of(model))
     (lines,) = re.findall(r"<pre>(import fmpy.*?)</pre>", page, flags=re.DOTALL)
     monkeypatch.chdir(tmp_path)
     left: dict = {}
@@ -646,18 +637,14 @@ def test_the_lines_on_the_page_play_the_scenario(tmp_path, monkeypatch, model, f
 
 def test_the_file_of_the_scenario_has_the_corners_and_jumps(tmp_path):
     path = export_fmu(Design(HELIX, scenario=Scenario(1.0, DRIVEN["forward"])), tmp_path / "MyCam.fmu")
-    with zipfile.ZipFile(path) as archive:
-        rows = archive.read("extra/scenario_in.csv").decode().splitlines()
-    assert rows == ["time,tau,F_ext", "0,0,4", "0.5,8,4", "0.5,3,4", "0.8,0,4", "1,0,4"]
+    (rows,) = texts(path, SCENARIO)
+    assert rows.splitlines() == ["time,tau,F_ext", "0,0,4", "0.5,8,4", "0.5,3,4", "0.8,0,4", "1,0,4"]
 
 
 def test_a_curved_input_is_sampled_on_its_curve(tmp_path):
-    path = export_fmu(
-        Design(HELIX, "inverse", scenario=Scenario(1.0, DRIVEN["inverse"])), tmp_path / "MyCam.fmu"
-    )
-    with zipfile.ZipFile(path) as archive:
-        rows = [line.split(",") for line in archive.read("extra/scenario_in.csv").decode().splitlines()]
-    time, theta, omega = (np.array([float(row[k]) for row in rows[1:]]) for k in range(3))
+    design = Design(HELIX, "inverse", scenario=Scenario(1.0, DRIVEN["inverse"]))
+    (rows,) = texts(export_fmu(design, tmp_path / "MyCam.fmu"), SCENARIO)
+    time, theta, omega = np.loadtxt(rows.splitlines(), delimiter=",", skiprows=1).T[:3]
     curve = CubicSpline((0.0, 0.6, 1.0), (0.0, 0.9, 0.2), bc_type="clamped")
     assert time[0] == 0.0 and time[-1] == 1.0 and len(time) >= 1000
     assert np.allclose(theta, curve(time), rtol=0.0, atol=1e-11)
@@ -676,17 +663,19 @@ def test_a_curved_input_is_sampled_on_its_curve(tmp_path):
 def test_no_file_without_a_scenario_for_the_model(tmp_path, model, scenario):
     path = export_fmu(Design(HELIX, model, scenario=scenario), tmp_path / "MyCam.fmu")
     with zipfile.ZipFile(path) as archive:
-        assert "extra/scenario_in.csv" not in archive.namelist()
-        assert 'id="scenario"' not in archive.read("documentation/index.html").decode()
+        assert SCENARIO not in archive.namelist()
+    assert 'id="scenario"' not in texts(path, PAGE)[0]
 
 
 @each_version
 def test_the_title_stands_in_description_and_page(tmp_path, fmi):
     path = export_fmu(Design(HELIX, title="Elbow <A&B>"), tmp_path / "MyCam.fmu", fmi)
-    with zipfile.ZipFile(path) as archive:
-        root = ET.fromstring(archive.read("modelDescription.xml"))
-        page = archive.read("documentation/index.html").decode()
-    assert root.attrib["description"].endswith('start values of the design trial, "Elbow <A&B>"')
+    description, page = texts(path, "modelDescription.xml", PAGE)
+    assert (
+        ET.fromstring(description)
+        .attrib["description"]
+        .endswith('start values of the design trial, "Elbow <A&B>"')
+    )
     assert "start values of the design trial, &quot;Elbow &lt;A&amp;B&gt;&quot;" in page
 
 

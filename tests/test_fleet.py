@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from driver import ROOT, models
 from pythonfmu.builder import FmuBuilder
+from refusals import refused_by
 
 import dualcam
 from dualcam import Fleet, Fmu
@@ -20,7 +21,7 @@ STEP = 1e-3  # s
 
 def refused(*mentions, error=FmuError):
     """Expects an error that says all of this."""
-    return pytest.raises(error, match="".join(f"(?=(?s:.*){mention})" for mention in mentions))
+    return refused_by(error, *mentions)
 
 
 def alone(source, start, inputs, outputs, u, h):

@@ -102,11 +102,7 @@ def slip_residual(forces, values, direction):
         torques.append(r * (normal * a + friction * r) / length)
         axials.append((normal * r - friction * a) / length)
     omega2, mass, twist = forces.omega**2, values["inertia.follower_mass"], values["inertia.follower"]
-    torque = [
-        forces.tau,
-        -values["shaft.damping"] * forces.omega,
-        -values["inertia.shaft"] * forces.alpha,
-    ]
+    torque = [forces.tau, -values["shaft.damping"] * forces.omega, -values["inertia.shaft"] * forces.alpha]
     moment = [twist * place.turn * forces.alpha, twist * place.turn_bent * omega2]
     load = [
         spring_force(values, place.z),

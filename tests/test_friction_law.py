@@ -1,5 +1,6 @@
 """Friction that depends on the sliding speed or on the load, and wear (docs/mechanism.md, sections 9 and 10):
-outputs, derivatives, tuning, refusals. The motion is in test_friction_scenes.py."""
+outputs, derivatives in time, tuning, refusals. The motion is in test_friction_scenes.py, the torque of an
+imposed motion and partial derivatives are in test_friction_load.py."""
 
 import math
 
@@ -8,8 +9,9 @@ import pytest
 import test_model_exchange as exchange
 import test_output_derivatives as output_derivatives
 import test_step_sensitivity as step_sensitivity
-from driver import Driver, models
-from test_sensitivity import partial
+from driver import models
+from reference.friction import FrictionLaw
+from reference.parameters import DEFAULTS
 
 FORWARD, INVERSE = models["DualCamForward"], models["DualCamInverse"]
 STRIBECK = {
@@ -30,86 +32,7 @@ LOADED = {
 LAWS = {"of speed": STRIBECK, "of load": LOADED, "of both": STRIBECK | LOADED}
 of_each_law = pytest.mark.parametrize("laws", LAWS.values(), ids=LAWS)
 WEARING = {"cam1.wear": 2e-13, "cam2.wear": 5e-13}
-TUNED = [
-    f"cam{i}.{n}"
-    for i in (1, 2)
-    for n in ("friction", "friction_peak", "stribeck_velocity", "friction_viscous")
-]
-
-
-def law(p: dict, i: int, v: float) -> float:
-    """mu(v), written from the equation."""
-    mu, peak = p.get(f"cam{i}.friction", 0.14), p.get(f"cam{i}.friction_peak", 1.0)
-    ratio = v / p.get(f"cam{i}.stribeck_velocity", 0.01)
-    fall = math.exp(-(ratio ** p.get(f"cam{i}.stribeck_exponent", 2)))
-    return mu * (1 + (peak - 1) * fall) + p.get(f"cam{i}.friction_viscous", 0.0) * v
-
-
-# ---- the coefficient, and the torque of an imposed motion ----
-
-
-def drawn(rng: np.random.Generator) -> dict:
-    p: dict = {"contacts": int(rng.integers(1, 3)), "spring.stiffness2": 1e5}
-    for i in (1, 2):
-        p |= {
-            f"cam{i}.radius": rng.uniform(0.01, 0.03),
-            f"cam{i}.lead_angle": rng.uniform(0.4, 1.0),
-            f"cam{i}.friction": rng.uniform(0.02, 0.25),
-            f"cam{i}.friction_peak": rng.uniform(1.0, 1.8),
-            f"cam{i}.stribeck_velocity": 10 ** rng.uniform(-3, -1),
-            f"cam{i}.stribeck_exponent": int(rng.integers(1, 3)),
-            f"cam{i}.friction_viscous": rng.uniform(0.0, 0.5),
-        }
-    p |= {"inertia.follower_mass": rng.uniform(0, 3), "inertia.follower": rng.uniform(0, 1e-3)}
-    return p | {"shaft.damping": rng.uniform(0, 0.01), "damper.c_load": rng.uniform(0, 50)}
-
-
-def required(p: dict, theta: float, omega: float, alpha: float, force: float):
-    """Torque, reactions per contact and coefficients: two linear equations on the flanks that agree."""
-    r, s = [p[f"cam{i}.radius"] for i in (1, 2)], [math.tan(p[f"cam{i}.lead_angle"]) for i in (1, 2)]
-    a = [r[0] * s[0], r[1] * s[1]]
-    turn = [a[1] / sum(a), a[0] / sum(a)]
-    dz, sigma, h = a[0] * turn[0], math.copysign(1.0, omega), [math.hypot(1.0, x) for x in s]
-    mu = [law(p, i + 1, turn[i] * abs(omega) * r[i] * h[i]) for i in range(2)]
-    z, v = dz * theta, dz * omega
-    damper = v * (p["damper.c_load"] if omega > 0 else 0.0)
-    axial = 50 + 50000 * z + p["spring.stiffness2"] * z**2 + force + damper
-    axial += p["inertia.follower_mass"] * dz * alpha
-    moment = p["inertia.follower"] * turn[0] * alpha
-    for e in ((1, 1), (1, -1), (-1, 1), (-1, -1)):
-        f = [sigma * e[i] * mu[i] for i in range(2)]
-        turning = [r[i] * (s[i] + f[i]) / h[i] for i in range(2)]
-        matrix = [[(1 - f[i] * s[i]) / h[i] for i in range(2)], [-turning[0], turning[1]]]
-        load = np.linalg.solve(matrix, [axial, moment])
-        if e[0] * load[0] >= 0 and e[1] * load[1] >= 0:
-            torque = load[1] * turning[1] + p["shaft.damping"] * omega + 0.002 * alpha
-            return (
-                torque,
-                load / p["contacts"],
-                mu,
-                [t * abs(omega) * q * x for t, q, x in zip(turn, r, h, strict=True)],
-            )
-    raise AssertionError("wedged")
-
-
-def test_torque_of_an_imposed_motion(make_model):
-    rng = np.random.default_rng(5)
-    for _ in range(150):
-        p = drawn(rng)
-        at = {
-            "theta": rng.uniform(0.1, 1.2),
-            "omega": rng.choice([-1, 1]) * 10 ** rng.uniform(-2, 1.3),
-            "alpha": rng.uniform(-100, 100),
-            "F_ext": rng.uniform(-20, 50),
-        }
-        fmu = make_model(INVERSE).start(p | at)
-        torque, reactions, mu, speeds = required(p, *at.values())
-        assert fmu.get("tau") == pytest.approx(torque, rel=1e-12, abs=1e-12)
-        for i in (1, 2):
-            assert fmu.get(f"cam{i}.reaction") == pytest.approx(reactions[i - 1], rel=1e-12)
-            assert fmu.get(f"cam{i}.friction_coefficient") == pytest.approx(mu[i - 1], rel=1e-14)
-            power = mu[i - 1] * abs(reactions[i - 1]) * p["contacts"] * speeds[i - 1]
-            assert fmu.get(f"cam{i}.friction_power") == pytest.approx(power, rel=1e-12)
+# ---- the coefficient ----
 
 
 @pytest.mark.parametrize("model", [FORWARD, INVERSE], ids=["forward", "inverse"])
@@ -144,7 +67,7 @@ def test_breaks_away_at_the_static_and_slips_at_the_kinetic_torque(make_model):
         fmu.step(0.0005, tau=edge * (1 + 1e-3))
         fastest = max(fastest, fmu.get("omega"))
         for i in (1, 2):
-            expected = law(STRIBECK, i, fmu.get(f"cam{i}.sliding_speed"))
+            expected = FrictionLaw.of_cam(DEFAULTS | STRIBECK, i).at(fmu.get(f"cam{i}.sliding_speed"))
             assert fmu.get(f"cam{i}.friction_coefficient") == pytest.approx(expected, rel=1e-14)
     # the fall of friction carries the cam far beyond the angle that holds the torque
     coulomb = make_model(FORWARD).start({"initial.theta": 0.5})
@@ -234,39 +157,6 @@ def test_power_is_the_rate_of_the_heat(make_model, laws):
 # ---- derivatives ----
 
 
-def slope(make_one, known: str, at: float, unknown: str) -> float:
-    """A central difference of order 4."""
-    size = 1e-4 * max(abs(at), 1e-3)
-    values = [make_one(known, at + k * size).get(unknown) for k in (-2, -1, 1, 2)]
-    return (values[0] - 8 * values[1] + 8 * values[2] - values[3]) / (12 * size)
-
-
-@pytest.mark.parametrize("omega", [0.3, 4.0, -1.0])
-def test_directional_derivatives(make_model, omega):
-    values = STRIBECK | {"inertia.follower_mass": 1.0, "inertia.follower": 1e-4, "cam2.radius": 0.025}
-    scenes = (
-        (
-            FORWARD,
-            "alpha",
-            {"initial.theta": 0.4, "initial.omega": omega, "tau": 5.0},
-            {"theta", "omega", "tau"},
-        ),
-        (INVERSE, "tau", {"theta": 0.4, "omega": omega, "alpha": 3.0}, {"theta", "omega", "alpha"}),
-    )
-    for model, unknown, at, own in scenes:
-        start = values | at
-
-        def one(name: str, value: float, start=start, model=model) -> Driver:
-            key = f"initial.{name}" if model is FORWARD and name in ("theta", "omega") else name
-            return make_model(model).start(start | {key: value})
-
-        fmu = make_model(model).start(start)
-        for known in [*own, "F_ext", *TUNED]:
-            found = partial(fmu, unknown, known)
-            expected = slope(one, known, fmu.get(known), unknown)
-            assert found == pytest.approx(expected, rel=1e-5, abs=1e-7 * abs(fmu.get(unknown))), known
-
-
 REGIMES = {
     "inertial": output_derivatives.REGIMES["inertial"] | STRIBECK,
     "inertial, both laws": output_derivatives.REGIMES["inertial"] | STRIBECK | LOADED,
@@ -274,34 +164,19 @@ REGIMES = {
 }
 
 
-def check_output_derivatives(make_model, groove, regime, values, direction):
-    """In slip of one direction, between events; `values`: what makes the regime."""
-    base = output_derivatives.LINEAR | output_derivatives.CURVED | output_derivatives.GROOVES[groove]
-    fmu, inputs = output_derivatives.slipping(make_model, base | values, direction)
-    mode = 2 if direction > 0 else 3
-    step = output_derivatives.H["inertial" if regime.startswith("inertial") else "viscous"]
-    output_derivatives.check_between_events(fmu, inputs, 0.3 * step, mode)
-
-
 @pytest.mark.parametrize("direction", [1, -1])
 @pytest.mark.parametrize("regime", REGIMES)
 @pytest.mark.parametrize("groove", ["helices", "ellipses"])
 def test_output_derivatives(make_model, groove, regime, direction):
-    check_output_derivatives(make_model, groove, regime, REGIMES[regime], direction)
+    base = output_derivatives.LINEAR | output_derivatives.CURVED | output_derivatives.GROOVES[groove]
+    step = output_derivatives.H["inertial" if regime.startswith("inertial") else "viscous"]
+    output_derivatives.check_slip(make_model, base | REGIMES[regime], direction, 0.3 * step)
 
 
-Scene = step_sensitivity.Scene
 SCENES = {
     f"{name}, {word}": scene
     for word, laws in LAWS.items()
-    for name, scene in {
-        "slip": Scene(step_sensitivity.SLIP | laws, 6.0, 0.01, size=1e-3),
-        "slip, ellipses": Scene(
-            step_sensitivity.SLIP | laws | step_sensitivity.ELLIPSES, 6.0, 0.01, size=1e-3
-        ),
-        "to rest": Scene(step_sensitivity.SLIP | laws, 3.0, 0.05, mode=1, events=1, size=1e-3),
-        "breakaway": Scene(step_sensitivity.REST | laws, 3.0, 0.03, (100.0,), events=1, size=1e-4),
-    }.items()
+    for name, scene in step_sensitivity.scenes_of_law(laws).items()
 }
 
 
@@ -315,13 +190,7 @@ def test_step_sensitivity(make_model, name):
 
 @pytest.mark.parametrize("laws", ["of speed", "of both"])
 def test_cvode_sees_no_chatter(calls, laws):
-    torque = [(0.0, 0.0), (0.05, 12.0), (0.3, 3.0), (0.6, 30.0), (0.8, -5.0)]
-    wanted = exchange.simulate("CoSimulation", LAWS[laws], torque, 1e-11)
-    found = exchange.simulate("ModelExchange", LAWS[laws], torque, 1e-9)
-    for name, size in exchange.SIZE.items():
-        assert np.abs(found[name] - wanted[name]).max() / size <= 1e-5
-    assert calls["enterEventMode"] <= wanted["events"][-1] + 2 * len(torque)
-    assert calls["getDerivatives"] <= 3_000
+    exchange.check_no_chatter(LAWS[laws], calls, 3_000)
 
 
 calls = exchange.calls
@@ -363,6 +232,17 @@ REFUSED = {
     "lubricated, without inertia": (FORWARD, {"cam1.friction_viscous": 0.4, "inertia.shaft": 0.0}, "inertia"),
     "elastic shaft": (INVERSE, {"cam1.friction_peak": 1.5, "shaft.stiffness": 50.0}, "shaft.stiffness"),
     "jam at rest": (FORWARD, {"cam1.friction": 0.5, "cam2.friction": 0.6, "cam1.friction_peak": 4.0}, "jam"),
+    "jam under the spring": (
+        FORWARD,
+        {f"cam{i}.{n}": v for i in (1, 2) for n, v in (("lead_angle", 1.2), ("friction_load_exponent", 0.9))},
+        "friction",
+    ),
+    # its force is part of the load: the coefficient would depend on the unknown speed
+    "load and damper, without inertia": (
+        FORWARD,
+        {"cam2.friction_load_exponent": -0.2, "inertia.shaft": 0.0, "damper.c_load": 10.0},
+        "inertia.shaft",
+    ),
 }
 
 
@@ -370,10 +250,7 @@ REFUSED = {
 def test_refused(make_model, name):
     model, values, word = REFUSED[name]
     fmu = make_model(model)
-    fmu.set(values)
-    fmu.setup()
-    fmu.ok("fmi2EnterInitializationMode")
-    text = fmu.refused_start()
+    text = fmu.refused_start(values)
     assert word in text
     assert next(n for n in values if n.startswith("cam")) in text
 

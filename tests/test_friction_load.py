@@ -1,5 +1,6 @@
 """Friction that depends on the nominal load (docs/mechanism.md, section 9): coefficient, edges of the stick
-band and torque of an imposed motion against the linear balance, derivatives, refusals, motion."""
+band, refusals, motion. With friction that depends on the speed too: torque of an imposed motion against the
+linear balance, partial derivatives."""
 
 import math
 
@@ -9,82 +10,42 @@ import test_step_sensitivity as step_sensitivity
 from driver import Driver, models
 from friction_scenes import LOADED_FILE, LOADED_WANTED
 from general_scenes import load
-from reference.friction import FrictionLaw
-from reference.parameters import DEFAULTS
-from scipy.optimize import brentq
-from test_friction_law import LOADED, STRIBECK, WEARING, slope
-from test_general_accuracy import TOLERANCES, cuts, title, verdict
-from test_sensitivity import partial
-
-LAW = (
-    "friction",
-    "friction_peak",
-    "stribeck_velocity",
-    "friction_viscous",
-    "friction_load_exponent",
-    "friction_load",
+from helix_balance import (
+    MASSES,
+    Helices,
+    check_directional_derivatives,
+    check_imposed_motion,
+    drawn_motion,
+    slope,
 )
-TUNED = [f"cam{i}.{name}" for i in (1, 2) for name in LAW]
-MASSES = {"inertia.follower_mass": 1.0, "inertia.follower": 1e-4, "cam2.radius": 0.025}
+from scipy.optimize import brentq
+from test_friction_law import LOADED, STRIBECK, WEARING
+from test_general_accuracy import TOLERANCES, cuts, title, verdict
+
+LAW = ("friction", "friction_peak", "stribeck_velocity", "friction_viscous")
+TUNED = [f"cam{i}.{n}" for i in (1, 2) for n in (*LAW, "friction_load_exponent", "friction_load")]
 
 FORWARD, INVERSE = models["DualCamForward"], models["DualCamInverse"]
 
 
-def drawn(rng: np.random.Generator) -> dict:
+def drawn(rng: np.random.Generator, loaded: bool = True) -> dict:
+    """Helices; `loaded`: with coefficients that depend on the load, and far from jams."""
+    lead, mu, peak, viscous = ((0.5, 0.9), 0.12, 1.3, 0.3) if loaded else ((0.4, 1.0), 0.25, 1.8, 0.5)
     p: dict = {"contacts": int(rng.integers(1, 3)), "spring.stiffness2": 1e5}
     for i in (1, 2):
         p |= {
             f"cam{i}.radius": rng.uniform(0.01, 0.03),
-            f"cam{i}.lead_angle": rng.uniform(0.5, 0.9),
-            f"cam{i}.friction": rng.uniform(0.02, 0.12),
-            f"cam{i}.friction_peak": rng.uniform(1.0, 1.3),
+            f"cam{i}.lead_angle": rng.uniform(*lead),
+            f"cam{i}.friction": rng.uniform(0.02, mu),
+            f"cam{i}.friction_peak": rng.uniform(1.0, peak),
             f"cam{i}.stribeck_velocity": 10 ** rng.uniform(-3, -1),
             f"cam{i}.stribeck_exponent": int(rng.integers(1, 3)),
-            f"cam{i}.friction_viscous": rng.uniform(0.0, 0.3),
-            f"cam{i}.friction_load_exponent": rng.uniform(-0.5, 0.5),
+            f"cam{i}.friction_viscous": rng.uniform(0.0, viscous),
+            f"cam{i}.friction_load_exponent": rng.uniform(-0.5, 0.5) * loaded,
             f"cam{i}.friction_load": 10 ** rng.uniform(2, 3),
         }
-    p |= {"inertia.follower_mass": rng.uniform(0, 2), "inertia.follower": rng.uniform(0, 2e-4)}
+    p |= {"inertia.follower_mass": rng.uniform(0, 3), "inertia.follower": rng.uniform(0, 1e-3)}
     return p | {"shaft.damping": rng.uniform(0, 0.01), "damper.c_load": rng.uniform(0, 50)}
-
-
-class Helices:
-    """Both contacts of helical cams on the flanks that support the load, in one direction."""
-
-    def __init__(self, p: dict, sigma: int, theta_rate: float = 0.0) -> None:
-        full = DEFAULTS | p
-        self.ends, self.sigma = full["contacts"], sigma
-        self.r = [full[f"cam{i}.radius"] for i in (1, 2)]
-        self.s = [math.tan(full[f"cam{i}.lead_angle"]) for i in (1, 2)]
-        a = [r * s for r, s in zip(self.r, self.s, strict=True)]
-        self.turn = [a[1] / sum(a), a[0] / sum(a)]  # of the pin in each groove, over that of cam 2
-        self.dz = a[0] * self.turn[0]
-        self.laws = [FrictionLaw.of_cam(full, i) for i in (1, 2)]
-        self.h = [math.hypot(1.0, s) for s in self.s]
-        sliding = [t * r * h for t, r, h in zip(self.turn, self.r, self.h, strict=True)]
-        self.speeds = [abs(theta_rate) * x for x in sliding]
-
-    def coefficients(self, force: float) -> list[float]:
-        """Under N_i = |F| a_j hypot(r_i, a_i)/(n r_i (a_1 + a_2)), j the other cam."""
-        loads = [abs(force) * t * h / self.ends for t, h in zip(self.turn, self.h, strict=True)]
-        return [law.at(v, load) for law, v, load in zip(self.laws, self.speeds, loads, strict=True)]
-
-    def reactions(self, mu: list[float], axial: float, moment: float = 0.0) -> np.ndarray:
-        """R_i of one contact: the axial balance, and T_2 - T_1 = `moment`."""
-        of_each = zip(mu, self.s, self.h, strict=True)
-        axials = [self.ends * (1 - self.sigma * m * s) / h for m, s, h in of_each]
-        first, second = self.torques_per_reaction(mu)
-        return np.linalg.solve([axials, [-first, second]], [axial, moment])
-
-    def torques_per_reaction(self, mu: list[float]) -> list[float]:
-        """T_i/R_i"""
-        of_each = zip(self.r, self.s, self.h, mu, strict=True)
-        return [self.ends * r * (s + self.sigma * m) / h for r, s, h, m in of_each]
-
-    def edge(self, force: float) -> float:
-        """The edge of the stick band under F_0 = `force`."""
-        mu = self.coefficients(force)
-        return self.torques_per_reaction(mu)[1] * self.reactions(mu, force)[1]
 
 
 @pytest.mark.parametrize("nu", [-0.9, -0.3, 0.4, 0.9])
@@ -101,32 +62,11 @@ def test_coefficient_of_two_equal_helices(make_model, nu):
                 assert found == pytest.approx(0.02 * square ** (nu / 2), rel=1e-13)
 
 
-def test_torque_of_an_imposed_motion(make_model):
-    rng, seen = np.random.default_rng(9), 0
+@pytest.mark.parametrize("loaded", [False, True])
+def test_torque_of_an_imposed_motion(make_model, loaded):
+    rng = np.random.default_rng(5)
     for _ in range(200):
-        p = drawn(rng)
-        theta, omega = rng.uniform(0.1, 1.2), rng.choice([-1, 1]) * 10 ** rng.uniform(-2, 1)
-        alpha, force = rng.uniform(-50, 50), rng.uniform(-10, 50)
-        cams = Helices(p, 1 if omega > 0 else -1, omega)
-        z, v = cams.dz * theta, cams.dz * omega
-        axial = 50 + 50000 * z + p["spring.stiffness2"] * z**2 + force
-        axial += v * (p["damper.c_load"] if omega > 0 else 0.0)
-        mu = cams.coefficients(axial)
-        inertial = p["inertia.follower_mass"] * cams.dz * alpha
-        reactions = cams.reactions(mu, axial + inertial, p["inertia.follower"] * cams.turn[0] * alpha)
-        if min(reactions) <= 0.0:
-            continue  # another flank bears
-        seen += 1
-        torque = cams.torques_per_reaction(mu)[1] * reactions[1]
-        torque += p["shaft.damping"] * omega + 0.002 * alpha
-        fmu = make_model(INVERSE).start(p | {"theta": theta, "omega": omega, "alpha": alpha, "F_ext": force})
-        assert fmu.get("tau") == pytest.approx(torque, rel=1e-9, abs=1e-12)
-        for i in (1, 2):
-            assert fmu.get(f"cam{i}.reaction") == pytest.approx(reactions[i - 1], rel=1e-9)
-            assert fmu.get(f"cam{i}.friction_coefficient") == pytest.approx(mu[i - 1], rel=1e-12)
-            power = mu[i - 1] * reactions[i - 1] * p["contacts"] * cams.speeds[i - 1]
-            assert fmu.get(f"cam{i}.friction_power") == pytest.approx(power, rel=1e-9)
-    assert seen > 150
+        check_imposed_motion(make_model, drawn(rng, loaded), drawn_motion(rng))
 
 
 @pytest.mark.parametrize("model", [FORWARD, INVERSE])
@@ -173,31 +113,8 @@ def test_without_inertia_the_angle_is_on_the_edge_of_the_band(make_model):
 @pytest.mark.parametrize("law", [LOADED, LOADED | STRIBECK, STRIBECK])
 def test_directional_derivatives(make_model, law, omega):
     """By states, inputs and all parameters of the law, the exponent at zero included."""
-    values = law | MASSES | {"spring.stiffness2": 2e5}
-    scenes = (
-        (
-            FORWARD,
-            "alpha",
-            {"initial.theta": 0.4, "initial.omega": omega, "tau": 5.0},
-            ("theta", "omega", "tau"),
-        ),
-        (INVERSE, "tau", {"theta": 0.4, "omega": omega, "alpha": 3.0}, ("theta", "omega", "alpha")),
-    )
-    more = ("F_ext", "spring.preload", "spring.stiffness", "spring.stiffness2", "damper.c_load")
-    for model, unknown, at, own in scenes:
-        start = values | at
-
-        def one(name: str, value: float, start=start, model=model) -> Driver:
-            key = f"initial.{name}" if model is FORWARD and name in ("theta", "omega") else name
-            return make_model(model).start(start | {key: value})
-
-        fmu = make_model(model).start(start)
-        for known in [*own, *more, *TUNED]:
-            if known.endswith(("_peak", "_viscous", "c_load")) and fmu.get(known) in (0.0, 1.0):
-                continue  # a difference would leave the range
-            found = partial(fmu, unknown, known)
-            expected = slope(one, known, fmu.get(known), unknown)
-            assert found == pytest.approx(expected, rel=1e-5, abs=1e-7 * abs(fmu.get(unknown))), known
+    more = ["spring.preload", "spring.stiffness", "spring.stiffness2", "damper.c_load", *TUNED]
+    check_directional_derivatives(make_model, law | MASSES | {"spring.stiffness2": 2e5}, omega, more)
 
 
 def test_directional_derivatives_with_an_elastic_shaft(make_model):
@@ -214,7 +131,7 @@ def test_directional_derivatives_with_an_elastic_shaft(make_model):
     for known in ["theta", "F_ext", "spring.stiffness", "cam1.friction", *TUNED[4:6], *TUNED[-2:]]:
         if known.endswith(("friction_viscous", "velocity")):
             continue
-        found, expected = partial(fmu, "tau", known), slope(one, known, fmu.get(known), "tau")
+        found, expected = fmu.partial("tau", known), slope(one, known, fmu.get(known), "tau")
         assert found == pytest.approx(expected, rel=1e-5, abs=1e-7 * abs(fmu.get("tau"))), known
 
 
@@ -222,10 +139,7 @@ def test_directional_derivatives_with_an_elastic_shaft(make_model):
 
 
 GROOVES = {"helices": {}, "ellipses": step_sensitivity.ELLIPSES}
-INERTIAS = {
-    "inertial": LOADED,
-    "rate-independent": LOADED | {"inertia.shaft": 0.0},
-}
+INERTIAS = {"inertial": LOADED, "rate-independent": LOADED | {"inertia.shaft": 0.0}}
 
 
 @pytest.mark.parametrize("groove", GROOVES)
@@ -289,24 +203,6 @@ def test_contacts_lock_where_their_coefficient_does(make_model):
     assert (below.get("mode"), above.get("mode")) == (3, 1)
     above.step(0.1, tau=0.0, F_ext=F_0 * (1 + 1e-6) - spring)
     assert above.get("theta") == 0.3
-
-
-def test_jam_under_the_spring_is_refused(make_model):
-    fmu = make_model(FORWARD)
-    steep = {"friction_load_exponent": 0.9, "lead_angle": 1.2}
-    fmu.set({f"cam{i}.{name}": value for i in (1, 2) for name, value in steep.items()})
-    fmu.setup()
-    fmu.ok("fmi2EnterInitializationMode")
-    assert "friction" in fmu.refused_start()
-
-
-def test_a_damper_asks_for_an_inertia(make_model):
-    """Its force is part of the load, so that the coefficient would depend on the unknown speed."""
-    fmu = make_model(FORWARD)
-    fmu.set({"cam2.friction_load_exponent": -0.2, "inertia.shaft": 0.0, "damper.c_load": 10.0})
-    fmu.setup()
-    fmu.ok("fmi2EnterInitializationMode")
-    assert "inertia.shaft" in fmu.refused_start()
 
 
 @pytest.mark.parametrize("value", [-0.91, 0.91, math.nan])

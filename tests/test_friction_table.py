@@ -11,13 +11,12 @@ import pytest
 import test_model_exchange as exchange
 import test_output_derivatives as output_derivatives
 import test_step_sensitivity as step_sensitivity
-from driver import Driver, models
+from driver import models
+from helix_balance import MASSES, check_directional_derivatives, check_imposed_motion, drawn_motion
 from reference import simulate
 from reference.friction import TableLaw
 from reference.scene import Interval
 from scipy.integrate import solve_ivp
-from test_friction_law import required, slope
-from test_sensitivity import partial
 
 FORWARD, INVERSE = models["DualCamForward"], models["DualCamInverse"]
 STRIBECK = [0.0, 0.005, 0.02, 0.05, 0.1, 0.2], [0.2, 0.17, 0.12, 0.11, 0.115, 0.13]
@@ -88,9 +87,7 @@ def test_curve_is_twice_differentiable():
         assert abs(curve.derivative(1)(curve.x[-1])) + abs(curve.derivative(2)(curve.x[-1])) <= 1e-9 * scale
 
 
-def test_torque_of_an_imposed_motion(make_model, tables, monkeypatch):
-    law = TableLaw(*map(np.array, STRIBECK))
-    monkeypatch.setattr("test_friction_law.law", lambda p, i, v: law.at(v))
+def test_torque_of_an_imposed_motion(make_model, tables):
     rng = np.random.default_rng(3)
     for _ in range(60):
         p = tables() | {"contacts": int(rng.integers(1, 3)), "spring.stiffness2": 1e5}
@@ -98,15 +95,7 @@ def test_torque_of_an_imposed_motion(make_model, tables, monkeypatch):
             p |= {f"cam{i}.radius": rng.uniform(0.01, 0.03), f"cam{i}.lead_angle": rng.uniform(0.4, 1.0)}
         p |= {"inertia.follower_mass": rng.uniform(0, 3), "inertia.follower": rng.uniform(0, 1e-3)}
         p |= {"shaft.damping": rng.uniform(0, 0.01), "damper.c_load": rng.uniform(0, 50)}
-        omega = rng.choice([-1, 1]) * 10 ** rng.uniform(-2, 1.3)
-        at = {"theta": rng.uniform(0.1, 1.2), "omega": omega, "alpha": rng.uniform(-100, 100), "F_ext": 20.0}
-        fmu = make_model(INVERSE).start(p | at)
-        torque, reactions, _, powers = required(p, *at.values())
-        assert fmu.get("tau") == pytest.approx(torque, rel=1e-11)
-        for i in (1, 2):
-            assert fmu.get(f"cam{i}.reaction") == pytest.approx(reactions[i - 1], rel=1e-11)
-            power = fmu.get(f"cam{i}.friction_coefficient") * abs(reactions[i - 1]) * p["contacts"]
-            assert fmu.get(f"cam{i}.friction_power") == pytest.approx(power * powers[i - 1], rel=1e-10)
+        check_imposed_motion(make_model, p, drawn_motion(rng), 1e-11)
 
 
 def test_band_has_the_coefficients_at_rest(make_model, tables):
@@ -125,7 +114,7 @@ def test_other_friction_parameters_are_not_used(make_model, tables):
         one.step(0.05, tau=7.0)
     assert fmu.get("theta") == other.get("theta") > 0
     for name in ("cam1.friction", "cam2.friction_peak", "cam1.stribeck_velocity", "cam1.friction_viscous"):
-        assert partial(fmu, "alpha", name) == 0.0
+        assert fmu.partial("alpha", name) == 0.0
 
 
 # ---- motion ----
@@ -277,27 +266,9 @@ def test_inverse_ledger(make_model, tables):
 # ---- derivatives ----
 
 
-def check_directional_derivatives(make_model, values, omega, rel):
-    """Of both FMUs in slip, against differences of instances that start beside."""
-    for model, unknown, at in (
-        (FORWARD, "alpha", {"initial.theta": 0.4, "initial.omega": omega, "tau": 5.0}),
-        (INVERSE, "tau", {"theta": 0.4, "omega": omega, "alpha": 3.0}),
-    ):
-
-        def one(name: str, value: float, start=values | at, model=model) -> Driver:
-            key = f"initial.{name}" if model is FORWARD and name in ("theta", "omega") else name
-            return make_model(model).start(start | {key: value})
-
-        fmu = make_model(model).start(values | at)
-        for known in ("theta", "omega", "F_ext", "cam1.friction", "spring.stiffness"):
-            expected = slope(one, known, fmu.get(known), unknown)
-            assert partial(fmu, unknown, known) == pytest.approx(expected, rel=rel, abs=1e-6), known
-
-
 @pytest.mark.parametrize("omega", [0.3, 4.0, -1.0])
 def test_directional_derivatives(make_model, tables, omega):
-    values = tables() | {"inertia.follower_mass": 1.0, "inertia.follower": 1e-4, "cam2.radius": 0.025}
-    check_directional_derivatives(make_model, values, omega, 1e-5)
+    check_directional_derivatives(make_model, tables() | MASSES, omega, ["cam1.friction", "spring.stiffness"])
 
 
 @pytest.mark.parametrize("direction", [1, -1])
@@ -307,36 +278,19 @@ def test_output_derivatives(make_model, tables, groove, direction):
     values = (
         base | output_derivatives.REGIMES["inertial"] | tables(([0, 0.1, 1.0, 3.0], [0.2, 0.16, 0.1, 0.12]))
     )
-    fmu, inputs = output_derivatives.slipping(make_model, values, direction)
-    mode = 2 if direction > 0 else 3
-    output_derivatives.check_between_events(fmu, inputs, 0.3 * output_derivatives.H["inertial"], mode)
+    output_derivatives.check_slip(make_model, values, direction, 0.3 * output_derivatives.H["inertial"])
 
 
 @pytest.mark.parametrize("name", ["slip", "to rest", "breakaway"])
 def test_step_sensitivity(make_model, tables, name):
-    start, scene = step_sensitivity.SLIP | tables(), step_sensitivity.Scene
-    rest = step_sensitivity.REST | tables()
-    step_sensitivity.check(
-        make_model,
-        {
-            "slip": scene(start, 6.0, 0.01, size=1e-3),
-            "to rest": scene(start, 3.0, 0.05, mode=1, events=1, size=1e-3),
-            "breakaway": scene(rest, 3.0, 0.03, (100.0,), events=1, size=1e-4),
-        }[name],
-    )
+    step_sensitivity.check(make_model, step_sensitivity.scenes_of_law(tables())[name])
 
 
 # ---- model exchange, states ----
 
 
 def test_cvode_sees_no_chatter(calls, tables):
-    torque = [(0.0, 0.0), (0.05, 12.0), (0.3, 3.0), (0.6, 30.0), (0.8, -5.0)]
-    wanted = exchange.simulate("CoSimulation", tables(), torque, 1e-11)
-    found = exchange.simulate("ModelExchange", tables(), torque, 1e-9)
-    for name, size in exchange.SIZE.items():
-        assert np.abs(found[name] - wanted[name]).max() / size <= 1e-5
-    assert calls["enterEventMode"] <= wanted["events"][-1] + 2 * len(torque)
-    assert calls["getDerivatives"] <= 4_000
+    exchange.check_no_chatter(tables(), calls, 4_000)
 
 
 calls = exchange.calls

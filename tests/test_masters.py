@@ -26,17 +26,7 @@ import build_fmu
 import fmpy
 import numpy as np
 import pytest
-from driver import (
-    CO_SIMULATION,
-    FORWARD,
-    LAST_SUCCESSFUL_TIME,
-    OK,
-    PHASES,
-    ROOT,
-    STEP,
-    models,
-    to_c,
-)
+from driver import CO_SIMULATION, FORWARD, LAST_SUCCESSFUL_TIME, OK, PHASES, ROOT, STEP, models, to_c
 
 from verification.masters import players, run, scenes
 from verification.masters.hosts import job

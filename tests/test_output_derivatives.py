@@ -146,12 +146,17 @@ def slipping(make_model, values: dict, direction: int) -> tuple[Driver, dict]:
     }
 
 
+def check_slip(make_model, values: dict, direction: int, h: float) -> None:
+    """Between events, in slip of one direction."""
+    fmu, inputs = slipping(make_model, values, direction)
+    check_between_events(fmu, inputs, h, LOADING if direction > 0 else RELEASING)
+
+
 @pytest.mark.parametrize("direction", [1, -1])
 @pytest.mark.parametrize("regime", REGIMES)
 @pytest.mark.parametrize("groove", GROOVES)
 def test_while_it_slips(make_model, grooves, groove, regime, direction):
-    fmu, inputs = slipping(make_model, LINEAR | CURVED | grooves[groove] | REGIMES[regime], direction)
-    check_between_events(fmu, inputs, H[regime], LOADING if direction > 0 else RELEASING)
+    check_slip(make_model, LINEAR | CURVED | grooves[groove] | REGIMES[regime], direction, H[regime])
 
 
 @pytest.mark.parametrize("direction", [1, -1])
@@ -306,10 +311,7 @@ def read_along(fmu: Driver, motion: dict, times) -> dict:
 @pytest.mark.parametrize("regime", REGIMES)
 @pytest.mark.parametrize("groove", GROOVES)
 def test_torque_along_a_motion(make_model, grooves, groove, regime, direction, F_ext):
-    motion = {
-        "theta": [0.5, 3.0 * direction, 20.0, -700.0, 4000.0],
-        "F_ext": [F_ext, 200.0, -3000.0],
-    }
+    motion = {"theta": [0.5, 3.0 * direction, 20.0, -700.0, 4000.0], "F_ext": [F_ext, 200.0, -3000.0]}
     h = 1e-3
     fmu = make_model(INVERSE)
     fmu.set(imposed(motion, 0.0))

@@ -4,6 +4,7 @@ diverges, and Newton's answer against the whole system, in one FMU and by SciPy.
 import itertools
 import math
 import warnings
+from contextlib import contextmanager
 
 import numpy as np
 import pytest
@@ -46,6 +47,22 @@ HELD, STRAIGHT = 2.0, 3.0 - math.sqrt(5.0)
 def fmu():
     with Fmu(FORWARD) as made:
         yield made
+
+
+@contextmanager
+def recorded():
+    """All warnings of a block, also those that come again."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        yield caught
+
+
+def explicit_steps(coupling, count, order=0):
+    """Steps of H, until a speed is above 1 mrad/s."""
+    steps = []
+    while len(steps) < count and not (steps and abs(steps[-1].motion.omega) > 1e-3):
+        steps.append(coupling.step_explicit(H, order))
+    return steps, [abs(step.motion.omega) for step in steps]
 
 
 # ---- bounds ----
@@ -110,16 +127,15 @@ def test_largest_stable_step_of_a_held_spring(stiffness):
     assert largest_stable_step(J, damped) == pytest.approx(step, rel=1e-4)
 
 
+@pytest.mark.filterwarnings("error")
 def test_a_frictionless_spring_grows_in_the_fmu(fmu):
     """So slowly that no warning comes: the spring is in the plant, and the step stable but for 1e-3."""
     stiffness, step = 100.0, 2.5e-4
     growth = math.sqrt(1.0 + stiffness * step**2 / (2.0 * J))
     fmu.start({**FREE, "initial.theta": 0.701})
     coupling, angles = PlantCoupling(fmu, lambda shaft: -stiffness * (shaft.theta - 0.7)), []
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        for _ in range(2000):
-            angles.append(coupling.step_explicit(step).motion.theta - 0.7)
+    for _ in range(2000):
+        angles.append(coupling.step_explicit(step).motion.theta - 0.7)
     sizes = [np.abs(angles[k : k + 200]).max() for k in (0, 1800)]
     assert sizes[1] / sizes[0] == pytest.approx(growth**1800, rel=0.05)
     assert largest_stable_step(J, Impedance(stiffness)) == 0.0
@@ -178,13 +194,8 @@ def test_impedance_by_differences():
 def growth(fmu, plant, order):
     """|omega| at the end of 300 steps over the largest of the first ten, and whether there was a warning."""
     fmu.start({**FREE, "initial.omega": 1e-9})
-    coupling, speeds = PlantCoupling(fmu, plant), []
-    with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always")
-        for _ in range(300):
-            speeds.append(abs(coupling.step_explicit(H, order).motion.omega))
-            if speeds[-1] > 1e-3:
-                break
+    with recorded() as caught:
+        _, speeds = explicit_steps(PlantCoupling(fmu, plant), 300, order)
     assert len(caught) <= 1
     assert all(issubclass(one.category, UnstableCouplingWarning) for one in caught)
     return speeds[-1] / max(speeds[:10]), bool(caught)
@@ -215,23 +226,14 @@ def test_warning_exactly_where_the_loop_diverges(fmu, order, kind):
         assert (ratio > 100.0, warned) == (diverges, diverges), (share, ratio)
 
 
-VISCOUS = {"initial.theta": 0.7, "inertia.shaft": 0.0, "cam1.friction": 0.0, "cam2.friction": 0.0,
-           "spring.preload": 1e-9, "spring.stiffness": 0.0, "shaft.damping": 0.5}  # fmt: skip
-
-
 @pytest.mark.parametrize(("share", "diverges"), [(0.5, False), (0.95, False), (1.05, True), (3.0, True)])
 def test_cam_without_inertia(fmu, share, diverges):
     """Its speed is tau/B: an error of omega is multiplied by -D/B per step, whatever the step is."""
-    fmu.start({**VISCOUS, "tau": 1e-6})
-    coupling, speeds = PlantCoupling(fmu, lambda shaft: 1e-9 - share * 0.5 * shaft.omega), []
-    with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always")
-        for _ in range(60):
-            step = coupling.step_explicit(H)
-            speeds.append(abs(step.motion.omega))
-            if speeds[-1] > 1e-3:
-                break
-    assert step.stability.cam_damping == pytest.approx(0.5, rel=0.03)
+    fmu.start({**FREE, "inertia.shaft": 0.0, "shaft.damping": 0.5, "tau": 1e-6})
+    with recorded() as caught:
+        plant = PlantCoupling(fmu, lambda shaft: 1e-9 - share * 0.5 * shaft.omega)
+        steps, speeds = explicit_steps(plant, 60)
+    assert steps[-1].stability.cam_damping == pytest.approx(0.5, rel=0.03)
     assert (speeds[-1] > speeds[0]) is diverges
     assert bool(caught) is diverges
     if diverges:
@@ -270,6 +272,7 @@ def test_warning_has_numbers_and_what_works(fmu):
             assert coupling.step_explicit(0.9 * allowed).motion.omega == pytest.approx(2.0, abs=0.2)
 
 
+@pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize("start", [{"initial.theta": 0.4}, {}, {"initial.theta": 1.3963}])
 def test_no_warning_at_rest(fmu, start):
     """In stick and at both stops the torque moves nothing, so the loop is open."""
@@ -277,10 +280,7 @@ def test_no_warning_at_rest(fmu, start):
     hold = fmu.real("torque_release") if start else -1.0
     hold = fmu.real("torque_load") + 1.0 if start.get("initial.theta") == 1.3963 else hold + 0.01
     coupling = PlantCoupling(fmu, lambda shaft: hold - 1e3 * shaft.omega)
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        for _ in range(5):
-            assert coupling.step_explicit(H).stability is None
+    assert all(coupling.step_explicit(H).stability is None for _ in range(5))
 
 
 # ---- feedback outside the plant function ----
@@ -296,8 +296,7 @@ def held_voltage(fmu, step, proportional, derivative, seconds, implicit=False):
     voltage = [0.0]
     coupling = PlantCoupling(fmu, lambda shaft: GAIN * (voltage[0] - BACK_EMF * shaft.omega))
     angles = []
-    with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always")
+    with recorded() as caught:
         for _ in range(round(seconds / step)):
             shaft = coupling.motion()
             wanted = proportional * (GOAL - shaft.theta) - derivative * shaft.omega
@@ -364,9 +363,9 @@ def test_an_angle_fed_back_outside_is_seen(fmu, stiffness, limit):
     assert np.ptp(angles[-200:]) > 0.5
 
 
+@pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize(
-    "kind",
-    ["noise outside", "binary noise outside", "square wave inside", "slow sine outside", "one move"],
+    "kind", ["noise outside", "binary noise outside", "square wave inside", "slow sine outside", "one move"]
 )
 def test_other_torques_are_no_feedback(fmu, kind):
     random, held = np.random.default_rng(7), [0.0]
@@ -386,11 +385,9 @@ def test_other_torques_are_no_feedback(fmu, kind):
 
     fmu.start({"inertia.shaft": J, "initial.theta": 0.4})
     coupling = PlantCoupling(fmu, plant)
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        for _ in range(1500):
-            held[0] = outside(coupling.motion())
-            coupling.step_explicit(H)
+    for _ in range(1500):
+        held[0] = outside(coupling.motion())
+        coupling.step_explicit(H)
 
 
 # ---- a run at a tenth of the step ----

@@ -25,13 +25,7 @@ from random_scenes import (
     step,
     unit_of_torque,
 )
-from reference import (
-    DOUBLE,
-    LOADING,
-    RELEASING,
-    Mechanism,
-    groove_of,
-)
+from reference import DOUBLE, LOADING, RELEASING, Mechanism, groove_of
 from rest_judge import EPS, NOTHING, TOLERANCE, rests
 
 FIXTURE = settings(suppress_health_check=[HealthCheck.function_scoped_fixture])

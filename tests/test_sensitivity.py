@@ -19,14 +19,6 @@ TUNABLE = {
 MASSES = FOLLOWER | {"inertia.shaft": 0.002}
 
 
-def partial(fmu: Driver, unknown: str, known: str, seed: float = 1.0) -> float:
-    result = (c_double * 1)()
-    references = fmu.model.references
-    arguments = references([unknown]), 1, references([known]), 1, to_c("Real", [seed]), result
-    fmu.ok("fmi2GetDirectionalDerivative", *arguments)
-    return result[0]
-
-
 def difference(f, x: float, size: float) -> float:
     """Central, of order 6."""
     h = 1e-3 * size
@@ -68,17 +60,17 @@ def test_acceleration_while_slipping(make_model, groove, omega, F_ext):
 
     for name, size in (TUNABLE | {"tau": 2.0, "F_ext": 100.0}).items():
         expected = difference(alpha_with(fmu, name), fmu.get(name), size)
-        assert_close(partial(fmu, "alpha", name), expected, scale / size)
+        assert_close(fmu.partial("alpha", name), expected, scale / size)
     expected = difference(lambda theta: at(theta, omega).get("alpha"), 0.6, 0.1)
-    assert_close(partial(fmu, "alpha", "theta"), expected, scale)
+    assert_close(fmu.partial("alpha", "theta"), expected, scale)
     expected = difference(lambda speed: at(0.6, speed).get("alpha"), omega, 1.0)
-    assert_close(partial(fmu, "alpha", "omega"), expected, scale)
+    assert_close(fmu.partial("alpha", "omega"), expected, scale)
     for name in ("z", "v"):
         expected = difference(lambda theta, n=name: at(theta, omega).get(n), 0.6, 0.1)
-        assert_close(partial(fmu, name, "theta"), expected, abs(fmu.get(name)))
+        assert_close(fmu.partial(name, "theta"), expected, abs(fmu.get(name)))
         expected = difference(lambda speed, n=name: at(0.6, speed).get(n), omega, 1.0)
-        assert_close(partial(fmu, name, "omega"), expected, abs(fmu.get(name)))
-        assert partial(fmu, name, "tau") == 0.0
+        assert_close(fmu.partial(name, "omega"), expected, abs(fmu.get(name)))
+        assert fmu.partial(name, "tau") == 0.0
 
 
 def test_outputs_follow_states_alone(make_model):
@@ -86,9 +78,9 @@ def test_outputs_follow_states_alone(make_model):
     fmu = make_model(FORWARD).start({"initial.theta": 0.5, "tau": 2.5})
     assert fmu.get("mode") == 1
     for unknown in ("theta", "omega", "z", "v", "alpha"):
-        assert partial(fmu, unknown, "tau") == partial(fmu, unknown, "F_ext") == 0.0
-    assert partial(fmu, "theta", "theta", 2.5) == 2.5
-    assert partial(fmu, "omega", "omega") == 1.0
+        assert fmu.partial(unknown, "tau") == fmu.partial(unknown, "F_ext") == 0.0
+    assert fmu.partial("theta", "theta", 2.5) == 2.5
+    assert fmu.partial("omega", "omega") == 1.0
 
 
 @pytest.mark.parametrize("groove", GROOVES)
@@ -133,7 +125,7 @@ def check_inverse(make_model, values, motion, sizes, unknowns, start=None):
         scale = abs(fmu.get(unknown))
         for name, size in sizes.items():
             expected = difference(output_with(unknown, name), fmu.get(name), size)
-            assert_close(partial(fmu, unknown, name), expected, scale / size)
+            assert_close(fmu.partial(unknown, name), expected, scale / size)
 
 
 def test_a_combination_is_linear(make_model):
@@ -144,7 +136,7 @@ def test_a_combination_is_linear(make_model):
     arguments = references(["alpha", "v"]), 2, references(names), 3, to_c("Real", seeds), result
     fmu.ok("fmi2GetDirectionalDerivative", *arguments)
     for found, unknown in zip(result, ("alpha", "v"), strict=True):
-        parts = [partial(fmu, unknown, name, seed) for name, seed in zip(names, seeds, strict=True)]
+        parts = [fmu.partial(unknown, name, seed) for name, seed in zip(names, seeds, strict=True)]
         assert found == pytest.approx(math.fsum(parts), rel=1e-14)
     state = np.array([fmu.get(n) for n in ("theta", "omega", "alpha")])
     assert np.all(np.isfinite(state))
@@ -198,10 +190,10 @@ def test_acceleration_without_inertia(make_model, groove, direction, forces):
         if name in linear:
             continue
         expected = difference(alpha_with(fmu, name), fmu.get(name), size)
-        assert_close(partial(fmu, "alpha", name), expected, scale / size)
+        assert_close(fmu.partial("alpha", name), expected, scale / size)
     expected = difference(lambda theta: at(theta).get("alpha"), 0.6, 0.1)
-    assert_close(partial(fmu, "alpha", "theta"), expected, scale)
-    assert partial(fmu, "alpha", "omega") == 0.0
+    assert_close(fmu.partial("alpha", "theta"), expected, scale)
+    assert fmu.partial("alpha", "omega") == 0.0
 
 
 def test_acceleration_by_the_quadratic_part_of_a_linear_damper(make_model):
@@ -213,7 +205,7 @@ def test_acceleration_by_the_quadratic_part_of_a_linear_damper(make_model):
         fmu.set_derivatives(RATES)
         found.append(fmu.get("alpha"))
         if q == 0.0:
-            expected = partial(fmu, "alpha", "damper.q_load")
+            expected = fmu.partial("alpha", "damper.q_load")
     nodes = np.arange(8.0)
     weights = np.linalg.solve(np.vander(nodes, increasing=True).T, np.eye(8)[1])
     assert expected == pytest.approx(math.fsum(weights * found) / 0.05, rel=1e-6)
@@ -230,7 +222,7 @@ def test_unknowns_may_come_twice_and_in_any_order(make_model):
         *(references(unknowns), len(unknowns), references(knowns), len(knowns), to_c("Real", seed), found),
     )
     for unknown, value in zip(unknowns, found, strict=True):
-        terms = [partial(fmu, unknown, known, by) for known, by in zip(knowns, seed, strict=True)]
+        terms = [fmu.partial(unknown, known, by) for known, by in zip(knowns, seed, strict=True)]
         assert value == pytest.approx(math.fsum(terms), rel=1e-15)
 
 
@@ -251,4 +243,4 @@ def test_where_the_angle_follows_the_torque_it_is_no_state(make_model):
     fmu.refused("fmi2GetDirectionalDerivative", *arguments, mentions=("alpha", "inertia.shaft", "damping"))
     fmu.set({"tau": 2.5})
     assert fmu.get("mode") == 1
-    assert partial(fmu, "alpha", "tau") == 0.0
+    assert fmu.partial("alpha", "tau") == 0.0

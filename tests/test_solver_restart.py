@@ -15,10 +15,7 @@ STICK, LOADING = 1, 2
 def test_breakaway_gives_no_state_a_new_value_and_says_so(make_model):
     """FMI 2.0.5, section 3.2.2: valuesOfContinuousStatesChanged must be false then."""
     fmu = make_model(FORWARD, kind=MODEL_EXCHANGE)
-    fmu.set({"initial.theta": 0.6, "tau": 3.0})
-    fmu.setup()
-    fmu.ok("fmi2EnterInitializationMode")
-    fmu.ok("fmi2ExitInitializationMode")
+    fmu.start({"initial.theta": 0.6, "tau": 3.0})
     fmu.settle()
     assert fmu.get("mode") == STICK
     fmu.set({"tau": 20.0})

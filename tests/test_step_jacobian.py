@@ -67,15 +67,9 @@ FLANKS = {  # the axial load changes its sign
         BACK | HEAVY | ELLIPSES | FORCES | friction_law.LOADED, -5.0, 0.015, mode=3, size=1e-3
     ),
 }
+BOUNCES = SCENES["stop that bounces, ellipses"]
 LAWS = friction_law.SCENES | {
-    "speed: bounces": Scene(
-        FAST | ELLIPSES | FORCES | FOLLOWER | friction_law.STRIBECK | {"stop.restitution": 0.8},
-        8.0,
-        0.01,
-        mode=3,
-        events=1,
-        size=1e-3,
-    )
+    "speed: bounces": BOUNCES._replace(values=BOUNCES.values | friction_law.STRIBECK)
 }
 ALL = SCENES | FLANKS | LAWS
 

@@ -144,11 +144,7 @@ SCENES = {
         MASSLESS | {"stop.lower": -1.0, "initial.theta": -0.3}, -1.0, 0.03, (100.0,), events=1
     ),
     "play, ellipses, the load changes its sign": Scene(
-        MASSLESS | ELLIPSES | {"stop.lower": -0.4, "initial.theta": -0.3},
-        -1.0,
-        0.03,
-        (100.0,),
-        size=1e-3,
+        MASSLESS | ELLIPSES | {"stop.lower": -0.4, "initial.theta": -0.3}, -1.0, 0.03, (100.0,), size=1e-3
     ),
     "play, steeper ellipses, the spring softens": Scene(
         LOW | MASSLESS | ELLIPSES | STEEPENING | SOFTENING, 0.5, 0.03, (10.0,), events=1, size=1e-3
@@ -161,6 +157,17 @@ SCENES = {
     "stick": Scene(REST, 3.0, mode=1),
     "stick, ramp": Scene(REST, 3.0, 0.01, (20.0,), mode=1),
 }
+
+
+def scenes_of_law(laws: dict) -> dict[str, Scene]:
+    """With friction that varies."""
+    return {
+        "slip": Scene(SLIP | laws, 6.0, 0.01, size=1e-3),
+        "slip, ellipses": Scene(SLIP | laws | ELLIPSES, 6.0, 0.01, size=1e-3),
+        "to rest": Scene(SLIP | laws, 3.0, 0.05, mode=1, events=1, size=1e-3),
+        "breakaway": Scene(REST | laws, 3.0, 0.03, (100.0,), events=1, size=1e-4),
+    }
+
 
 STEADY = ("play, ramp", "play, the load changes its sign")  # helices: the speed depends on the ramp alone
 

@@ -1,11 +1,12 @@
-"""Plan files with mistakes: all are told at once, each with key, value, what is allowed and what works."""
+"""Mistakes in distributions and in plans from Python: each is told with key, value, what is allowed and what
+works. Mistakes in plan files: test_study_ten_mistakes.py."""
 
 import re
 
 import numpy as np
 import pytest
 from scipy.stats import norm
-from study_cases import FORWARD, SOUND_PLAN, refused, study
+from study_cases import FORWARD, SOUND_PLAN, refused, study, write_groove
 
 from dualcam.errors import StudyError
 from dualcam.study import Correlation, History, Plan, Scenario, Vary, read_study
@@ -15,54 +16,6 @@ def told(path):
     with pytest.raises(StudyError) as caught:
         read_study(path)
     return caught.value
-
-
-def test_the_sound_plan_is_sound(tmp_path):
-    path = tmp_path / "plan.toml"
-    path.write_text(SOUND_PLAN.format(fmu=FORWARD))
-    assert read_study(path).plan.count == 100
-
-
-@pytest.mark.parametrize("old, new, mentions", [
-    ('stop = "400 ms"', 'stop = "400 mm"', ["stop = '400 mm'", "no unit of time", "10 ms"]),
-    ('fmu = "{fmu}"', 'fmu = "forwrd"', ["forwrd", "forward"]),
-    ('kind = "latin"', "", ["plan lacks kind"]),
-    ('kind = "latin"', 'kind = "latin"\nlevels = 3.5', ["levels = 3.5", "whole number"]),
-    ('kind = "latin"', 'kind = "fast"', ["correlation in a plan of kind fast", "random, latin, sobol"]),
-    ("std = 1.0", "sdt = 1.0", ["plan: peak has sdt", "did you mean std"]),
-    ("std = 1.0", "std = -1.0", ["peak", "std = -1", "scipy.stats allows no such values"]),
-    ("from = 5", "from = 50, to = 60", ["peak", "no probability"]),
-    ('wire = {{ from = "1.9 mm"', 'wire = {{ log = 1, from = "1.9 mm"', ["wire", "log = 1", "true or false"]),
-    ('wire = {{ from = "1.9 mm"', 'wire = {{ values = [1e-3], from = "1.9 mm"', ["values has from, to"]),
-    ("[plan.vary]", '[plan.vary]\n"cam1.radios" = {{ values = [1] }}', ["cam1.radios", "cam1.radius"]),
-    ('"cam2.friction" = {{ from = 0.1, to = 0.2 }}', '"cam2.friction" = 0.1', ["cam2.friction = 0.1"]),
-    ("of = [\"cam1.friction\", ", "of = [", ["correlation of cam2.friction", "two names"]),
-    ("rank = 0.8", "rank = 0.8\npearson = 0.7", ["one of rank and pearson"]),
-    ("rank = 0.8", "rang = 0.8", ["correlation 1 has rang", "did you mean rank"]),
-    ("[plan.constraints]", "[plan.constraints]\nhard = 'wire > thickness'", ["hard", "thickness"]),
-    ("[plan.derived]", "[plan.derived]\nwire = 'push'", ["wire varies and is derived"]),
-    ("[plan.derived]", "[plan.derived]\na = 'b'\nb = 'a'", ["a, b use each other in a circle"]),
-    ("'20 mm'^3 * 4", "'20 m'^3 * 4", []),  # allowed: a soft spring
-    ("'20 mm'^3 * 4", "'20 mm'^3 * -4", ["spring.stiffness, derived", "100 %", "Change the formula"]),
-    ('value = ["peak", "peak", 0.0]', 'value = ["peak", 0.0]', ["tau", "2 values at 3 times"]),
-    ("inputs.tau = {{ time", "inputs.tau = {{ shape = 'wavy', time", ["tau", "shape 'wavy'", "sine"]),
-    ("inputs.tau = {{ time", "inputs.tau = {{ amplitude = 3, time", ["tau", "belong to shape"]),
-    ("[parameters]", "[parameters]\npush = 0.2", ["push"]),
-    ('"cam2.radius" = "21 mm"', '"cam1.friction" = 0.1', ["cam1.friction varies and is fixed too"]),
-    ('"cam2.radius" = "21 mm"', '"tau" = 0.1', ["tau has a history and a value of its own"]),
-    ("runs = 100", "runs = 100\non_violation = 'forget'", ["on_violation = 'forget'", "redraw, mark"]),
-    ("[plan.derived]", "[plan.derived]\npi = '3'", ["pi is a constant"]),
-])  # fmt: skip
-def test_one_mistake_gets_one_message(tmp_path, old, new, mentions):
-    path = tmp_path / "plan.toml"
-    assert old in SOUND_PLAN
-    path.write_text(SOUND_PLAN.replace(old, new).format(fmu=FORWARD))
-    if not mentions:
-        assert read_study(path).plan.count == 100
-        return
-    error = told(path)
-    assert len(error.problems) == 1, error.problems
-    assert all(word in str(error) for word in [str(path), *mentions]), str(error)
 
 
 def test_a_study_of_a_design_may_have_its_own_scenario(tmp_path):
@@ -89,6 +42,7 @@ scenario = {stop = 0.2, inputs.tau = "peak"}
 def test_a_distribution_outside_of_the_range_says_which_share(tmp_path, mean, std, low):
     """By the normal distribution's function: the FMU allows 0 to 10."""
     path = tmp_path / "plan.toml"
+    write_groove(tmp_path)
     cut = f", from = {low}" if low else ""
     text = SOUND_PLAN.replace(
         '"cam1.friction" = {{ from = 0.1, to = 0.2 }}',

@@ -130,9 +130,7 @@ def test_a_call_in_the_wrong_state_names_the_call_to_make(fmu):
 
 def test_a_call_of_model_exchange_in_the_wrong_state_names_the_call_to_make(make):
     fmu = make(kind=MODEL_EXCHANGE)
-    fmu.setup()
-    fmu.ok("fmi2EnterInitializationMode")
-    fmu.ok("fmi2ExitInitializationMode")
+    fmu.start()
     completed = ("fmi2CompletedIntegratorStep", 1, byref(c_int()), byref(c_int()))
     fmu.refused(*completed, mentions=("; call fmi2EnterContinuousTimeMode first",))
     fmu.settle()

@@ -8,15 +8,7 @@ from ctypes import byref, c_char_p, c_double, c_int, c_size_t, create_string_buf
 from pathlib import Path
 
 import pytest
-from driver import (
-    ARGUMENTS,
-    CO_SIMULATION,
-    LAST_SUCCESSFUL_TIME,
-    MODEL_EXCHANGE,
-    TERMINATED,
-    EventInfo,
-    to_c,
-)
+from driver import ARGUMENTS, CO_SIMULATION, LAST_SUCCESSFUL_TIME, MODEL_EXCHANGE, TERMINATED, EventInfo, to_c
 from fmi2_inputs import INVERSE, drive
 from state_table import StateTable, ValidArguments, check_every_call
 

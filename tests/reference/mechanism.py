@@ -149,11 +149,7 @@ class Mechanism:
             return self._balance(kin, slip, self.friction(kin, slip, omega, axial))
         known = self._balances.get(slip)
         if known is None or known[0] is not kin.a1 or known[1] is not kin.a2:
-            known = self._balances[slip] = (
-                kin.a1,
-                kin.a2,
-                self._balance(kin, slip, (self.mu1, self.mu2)),
-            )
+            known = self._balances[slip] = (kin.a1, kin.a2, self._balance(kin, slip, (self.mu1, self.mu2)))
         return known[2]
 
     def _balance(self, kin: Kinematics, slip: Slip, mu: tuple[Number, Number]) -> Balance:

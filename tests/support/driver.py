@@ -393,8 +393,10 @@ class Driver(Calls):
         # The FMU must use its own copy of the callbacks.
         ctypes.memset(byref(callbacks), 0, ctypes.sizeof(callbacks))
 
-    def refused_start(self) -> str:
-        """The FMU cannot leave initialization mode; returns why."""
+    def refused_start(self, values: dict | None = None) -> str:
+        """With these values the FMU cannot leave initialization mode; returns why."""
+        self.set(values or {})
+        self.ok("fmi2EnterInitializationMode")
         count = len(self.messages)
         assert self.call("fmi2ExitInitializationMode") == ERROR
         assert len(self.messages) == count + 1
@@ -405,6 +407,13 @@ class Driver(Calls):
         values, time = super().everything(), c_double()
         self.ok("fmi2GetRealStatus", LAST_SUCCESSFUL_TIME, byref(time))
         return values | {"time": time.value.hex()}
+
+    def partial(self, unknown: str, known: str, seed: float = 1.0) -> float:
+        """The partial derivative, times the seed."""
+        result, references = (c_double * 1)(), self.model.references
+        arguments = references([unknown]), 1, references([known]), 1, to_c("Real", [seed]), result
+        self.ok("fmi2GetDirectionalDerivative", *arguments)
+        return result[0]
 
     # life
 

@@ -53,13 +53,7 @@ def ellipse(radius, lead, a, b, kappa):
 
     return Groove(
         radius,
-        {
-            "profile": ELLIPSE,
-            "lead_angle": lead,
-            "ellipse_a": a,
-            "ellipse_b": b,
-            "ellipse_curvature": kappa,
-        },
+        {"profile": ELLIPSE, "lead_angle": lead, "ellipse_a": a, "ellipse_b": b, "ellipse_curvature": kappa},
         lambda x: kappa * b * (math.sqrt(1 - start**2) - math.sqrt(1 - S(x) ** 2)),
         lambda x: radius * b / a * S(x) / math.sqrt(1 - S(x) ** 2),
         lambda x: kappa * (radius / a) ** 2 * b * (1 - S(x) ** 2) ** -1.5,

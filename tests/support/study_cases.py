@@ -1,15 +1,19 @@
 """A parameter study, and checks of its runs, that several tests share."""
 
 import itertools
+from functools import partial
 
 import numpy as np
 import pytest
 from driver import models
+from refusals import refused_by
 
+from dualcam.design import Table
 from dualcam.errors import StudyError
 from dualcam.study import Controller, History, Plan, Scenario, Study, Vary, read_results
 from dualcam.study.run.runner import Runner
 
+refused = partial(refused_by, StudyError)
 FORWARD, INVERSE = (model.fmu for model in models.values())
 DESIGN = {
     "cam1.radius": Vary(0.015, 0.03),
@@ -30,10 +34,6 @@ def runs_of(one, rows=None):
     block = runner.run(one.plan.rows(0, one.plan.count) if rows is None else rows)
     runner.close()
     return block
-
-
-def refused(*mentions):
-    return pytest.raises(StudyError, match="".join(f"(?=(?s:.*){mention})" for mention in mentions))
 
 
 def closed(make, stop=0.05, period=1e-3):
@@ -68,37 +68,57 @@ def every_run_once(folder, one):
     return np.column_stack([table[name] for name in one.results])
 
 
-def spring_of_wire(coils):
-    """The part of a plan in which the wire decides the stiffness."""
-    return f"""[plan.derived]
-"spring.stiffness" = "'79 GPa' * wire^4 / (8 * '20 mm'^3 * {coils})"
-[plan.constraints]
-soft = "spring.stiffness < 5400"
-"""
+def write_groove(folder):
+    """The table that SOUND_PLAN names."""
+    psi = np.linspace(0.0, 1.0, 41)
+    Table(0.02, psi, 0.02 * psi).write(folder / "groove.csv")
 
 
-# A plan without a mistake, in which tests put some; `format` gives the FMU.
+# A plan without a mistake, in which tests put some; `format` gives the FMU, write_groove() the table.
 SOUND_PLAN = """
 fmu = "{fmu}"
-results = ["theta@0.2", "efficiency"]
+results = ["theta@0.2", "efficiency", "top = max(theta, every=0.01)", "rest = 1 - top"]
 [parameters]
 "cam2.radius" = "21 mm"
+"cam1.profile" = 3
+"stop.upper" = 1.0
 [plan]
 kind = "latin"
 runs = 100
+seed = 3
 [plan.vary]
 peak = {{ distribution = "normal", mean = "8 N.m", std = 1.0, from = 5 }}
-push = {{ from = "100 ms", to = 0.2 }}
+push = {{ from = "100 ms", to = "200 ms" }}
+wire = {{ from = "1.9 mm", to = "2.1 mm" }}
+coils = {{ values = [4, 5], weights = [1, 3] }}
+"cam1.radius" = {{ from = "19 mm", to = "21 mm" }}
+"spring.preload" = {{ distribution = "lognorm", arguments = {{ s = 0.5, scale = "60 N" }}, to = 200 }}
 "cam1.friction" = {{ from = 0.1, to = 0.2 }}
 "cam2.friction" = {{ from = 0.1, to = 0.2 }}
-wire = {{ from = "1.9 mm", to = "2.1 mm" }}
-{spring}[[plan.correlation]]
+"cam2.lead_angle" = {{ from = "40 deg", to = "50 deg" }}
+"cam1.friction_peak" = {{ from = 1.0, to = 1.2 }}
+"cam2.friction_peak" = {{ same_as = "cam1.friction_peak" }}
+"cam1.table" = {{ table = "groove.csv", deviation = "0.01 mm", correlation_length = "10 deg", count = 3 }}
+[plan.derived]
+"spring.stiffness" = "'79 GPa' * wire^4 / (8 * '20 mm'^3 * coils)"
+[plan.constraints]
+soft = "spring.stiffness < 5400"
+[[plan.correlation]]
 of = ["cam1.friction", "cam2.friction"]
 rank = 0.8
+[[plan.correlation]]
+of = ["cam1.radius", "spring.preload"]
+pearson = 0.3
 [scenario]
 stop = "400 ms"
+tolerance = 1e-9
 inputs.tau = {{ time = [0.0, "push", "push"], value = ["peak", "peak", 0.0] }}
-""".replace("{spring}", spring_of_wire(4))
+inputs.F_ext = {{ time = [0.0, 0.1, 0.2], value = [0.0, 1.0, 0.0] }}
+[[plots]]
+kind = "pareto"
+x = "efficiency"
+y = "top"
+"""
 
 PLAN = """
 fmu = "{fmu}"

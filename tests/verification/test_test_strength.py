@@ -8,12 +8,7 @@ from driver import ROOT
 
 pytest.importorskip("tree_sitter_c", reason="needs the extra `strength`")
 
-from verification.strength import (
-    decisions,
-    judgements,
-    sites,
-    switch,
-)
+from verification.strength import decisions, judgements, sites, switch
 
 CORE = ROOT / "fmu_src"
 CODE = """\

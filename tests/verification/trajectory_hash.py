@@ -12,15 +12,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from trajectory_hash import (
-    QUICK,
-    Build,
-    Missing,
-    all_builds,
-    hashes,
-    total,
-    write_tables,
-)
+from trajectory_hash import QUICK, Build, Missing, all_builds, hashes, total, write_tables
 
 from benchmarks.harness import results as harness
 from benchmarks.harness.circumstances import circumstances

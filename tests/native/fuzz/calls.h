@@ -1,5 +1,6 @@
-/* The functions of FMI 2.0 and of FMI 3.0 under one name each: calls_fmi2.c, calls_fmi3.c. Each call is checked
- * (guard.h). The functions return true where the FMU says OK. `run->c` is the instance. */
+/* The functions of FMI 2.0 and of FMI 3.0 under one name each. calls.c has those that differ by names alone, and
+ * calls_fmi2.c and calls_fmi3.c have the others. Each call is checked (guard.h). The functions return true where the FMU
+ * says OK. `run->c` is the instance. */
 #ifndef FUZZ_CALLS_H
 #define FUZZ_CALLS_H
 

@@ -1,17 +1,8 @@
-/* The functions of FMI 2.0 under the names of calls.h. */
+/* What FMI 2.0 does in its own way, and what it alone has. */
 #if FMI_VERSION == 2
-#include <stdarg.h>
-#include <string.h>
-
 #include "calls.h"
-#include "fmi2Functions.h"
+#include "fmi.h"
 #include "guard.h"
-
-static bool is_ok(fmi2Status status) {
-    return status == fmi2OK;
-}
-
-/* ---- life ---- */
 
 static void log_message(fmi2ComponentEnvironment environment, fmi2String instance, fmi2Status status,
                         fmi2String category, fmi2String message, ...) {
@@ -32,10 +23,6 @@ void call_instantiate(Run *run, Use use) {
     REQUIRE(run, run->c != NULL);
 }
 
-void call_free(Run *run) {
-    fmi2FreeInstance(run->c);
-}
-
 static bool setup(Run *run, const double *tolerance, double start, const double *stop) {
     const Guard guard = guard_begin(run);
     return guard_end(run, guard,
@@ -48,137 +35,6 @@ bool call_enter_initialization(Run *run, const double *tolerance, double start, 
     const Guard guard = guard_begin(run);
     return guard_end(run, guard, is_ok(fmi2EnterInitializationMode(run->c)));
 }
-
-bool call_exit_initialization(Run *run) {
-    const Guard guard = guard_begin(run);
-    return guard_end(run, guard, is_ok(fmi2ExitInitializationMode(run->c)));
-}
-
-bool call_terminate(Run *run) {
-    const Guard guard = guard_begin(run);
-    return guard_end(run, guard, is_ok(fmi2Terminate(run->c)));
-}
-
-bool call_reset(Run *run) {
-    const Guard guard = guard_begin(run);
-    return guard_end(run, guard, is_ok(fmi2Reset(run->c)));
-}
-
-bool call_logging(Run *run, bool on, size_t n, const char *const categories[]) {
-    const Guard guard = guard_begin(run);
-    return guard_end(run, guard, is_ok(fmi2SetDebugLogging(run->c, on, n, (const fmi2String *)categories)));
-}
-
-/* ---- variables ---- */
-
-bool call_get_reals(Run *run, const unsigned vr[], size_t n, double value[]) {
-    const Guard guard = guard_begin(run);
-    return guard_numbers(run, guard_end(run, guard, is_ok(fmi2GetReal(run->c, vr, n, value))), value, n);
-}
-
-bool call_get_integers(Run *run, const unsigned vr[], size_t n, int value[]) {
-    const Guard guard = guard_begin(run);
-    return guard_end(run, guard, is_ok(fmi2GetInteger(run->c, vr, n, value)));
-}
-
-bool call_get_booleans(Run *run, const unsigned vr[], size_t n) {
-    fmi2Boolean value[MAX_REFERENCES];
-    const Guard guard = guard_begin(run);
-    return guard_end(run, guard, is_ok(fmi2GetBoolean(run->c, vr, n, value)));
-}
-
-bool call_get_texts(Run *run, const unsigned vr[], size_t n) {
-    fmi2String value[MAX_REFERENCES];
-    const Guard guard = guard_begin(run);
-    const bool ok = guard_end(run, guard, is_ok(fmi2GetString(run->c, vr, n, value)));
-    for (size_t i = 0; ok && i < n; i++) REQUIRE(run, strlen(value[i]) < 1024);
-    return ok;
-}
-
-bool call_set_reals(Run *run, const unsigned vr[], size_t n, const double value[]) {
-    const Guard guard = guard_begin(run);
-    return guard_end(run, guard, is_ok(fmi2SetReal(run->c, vr, n, value)));
-}
-
-bool call_set_integers(Run *run, const unsigned vr[], size_t n, const int value[]) {
-    const Guard guard = guard_begin(run);
-    return guard_end(run, guard, is_ok(fmi2SetInteger(run->c, vr, n, value)));
-}
-
-bool call_set_booleans(Run *run, const unsigned vr[], size_t n, const int value[]) {
-    const Guard guard = guard_begin(run);
-    return guard_end(run, guard, is_ok(fmi2SetBoolean(run->c, vr, n, value)));
-}
-
-bool call_set_texts(Run *run, const unsigned vr[], size_t n, const char *const value[]) {
-    const Guard guard = guard_begin(run);
-    return guard_end(run, guard, is_ok(fmi2SetString(run->c, vr, n, (const fmi2String *)value)));
-}
-
-bool call_directional(Run *run, const unsigned unknown[], size_t unknowns, const unsigned known[], size_t knowns,
-                      const double seed[], double product[]) {
-    const Guard guard = guard_begin(run);
-    const fmi2Status status = fmi2GetDirectionalDerivative(run->c, unknown, unknowns, known, knowns, seed, product);
-    return guard_numbers(run, guard_end(run, guard, is_ok(status)), product, unknowns);
-}
-
-bool call_output_derivatives(Run *run, const unsigned vr[], size_t n, const int order[], double value[]) {
-    const Guard guard = guard_begin(run);
-    const fmi2Status status = fmi2GetRealOutputDerivatives(run->c, vr, n, order, value);
-    return guard_numbers(run, guard_end(run, guard, is_ok(status)), value, n);
-}
-
-/* ---- FMU states ---- */
-
-bool raw_get_state(Run *run, void **state) {
-    return is_ok(fmi2GetFMUstate(run->c, state));
-}
-
-bool raw_free_state(Run *run, void **state) {
-    return is_ok(fmi2FreeFMUstate(run->c, state));
-}
-
-size_t raw_state_size(Run *run, void *state) {
-    size_t size = 0;
-    REQUIRE(run, is_ok(fmi2SerializedFMUstateSize(run->c, state, &size)));
-    return size;
-}
-
-bool raw_serialize(Run *run, void *state, void *bytes, size_t size) {
-    return is_ok(fmi2SerializeFMUstate(run->c, state, bytes, size));
-}
-
-bool call_get_state(Run *run, void **state) {
-    const Guard guard = guard_begin(run);
-    return guard_end(run, guard, raw_get_state(run, state));
-}
-
-bool call_set_state(Run *run, void *state) {
-    const Guard guard = guard_begin(run);
-    return guard_end(run, guard, is_ok(fmi2SetFMUstate(run->c, state)));
-}
-
-bool call_free_state(Run *run, void **state) {
-    const Guard guard = guard_begin(run);
-    return guard_end(run, guard, raw_free_state(run, state));
-}
-
-bool call_state_size(Run *run, void *state, size_t *size) {
-    const Guard guard = guard_begin(run);
-    return guard_end(run, guard, is_ok(fmi2SerializedFMUstateSize(run->c, state, size)));
-}
-
-bool call_serialize(Run *run, void *state, void *bytes, size_t size) {
-    const Guard guard = guard_begin(run);
-    return guard_end(run, guard, raw_serialize(run, state, bytes, size));
-}
-
-bool call_deserialize(Run *run, const void *bytes, size_t size, void **state) {
-    const Guard guard = guard_begin(run);
-    return guard_end(run, guard, is_ok(fmi2DeSerializeFMUstate(run->c, bytes, size, state)));
-}
-
-/* ---- time ---- */
 
 /* Time lands on t + h, to the last bit. */
 static void check_time(Run *run, double expected) {
@@ -195,11 +51,6 @@ bool call_step(Run *run, double t, double h) {
     return true;
 }
 
-bool call_enter_events(Run *run) {
-    const Guard guard = guard_begin(run);
-    return guard_end(run, guard, is_ok(fmi2EnterEventMode(run->c)));
-}
-
 bool call_leave_events(Run *run) {
     const Guard guard = guard_begin(run);
     return guard_end(run, guard, is_ok(fmi2EnterContinuousTimeMode(run->c)));
@@ -209,43 +60,6 @@ bool call_update_states(Run *run) {
     fmi2EventInfo info;
     const Guard guard = guard_begin(run);
     return guard_end(run, guard, is_ok(fmi2NewDiscreteStates(run->c, &info)));
-}
-
-bool call_complete_step(Run *run) {
-    fmi2Boolean event, terminate;
-    const Guard guard = guard_begin(run);
-    return guard_end(run, guard, is_ok(fmi2CompletedIntegratorStep(run->c, fmi2False, &event, &terminate)));
-}
-
-bool call_set_time(Run *run, double time) {
-    const Guard guard = guard_begin(run);
-    return guard_end(run, guard, is_ok(fmi2SetTime(run->c, time)));
-}
-
-bool call_set_states(Run *run, const double x[], size_t n) {
-    const Guard guard = guard_begin(run);
-    return guard_end(run, guard, is_ok(fmi2SetContinuousStates(run->c, x, n)));
-}
-
-bool call_get_states(Run *run, double x[], size_t n) {
-    const Guard guard = guard_begin(run);
-    return guard_numbers(run, guard_end(run, guard, is_ok(fmi2GetContinuousStates(run->c, x, n))), x, n);
-}
-
-bool call_get_derivatives(Run *run, double derivative[], size_t n) {
-    const Guard guard = guard_begin(run);
-    return guard_numbers(run, guard_end(run, guard, is_ok(fmi2GetDerivatives(run->c, derivative, n))), derivative, n);
-}
-
-bool call_get_indicators(Run *run, double indicator[], size_t n) {
-    const Guard guard = guard_begin(run);
-    return guard_numbers(run, guard_end(run, guard, is_ok(fmi2GetEventIndicators(run->c, indicator, n))), indicator, n);
-}
-
-bool call_get_nominals(Run *run, double nominal[], size_t n) {
-    const Guard guard = guard_begin(run);
-    return guard_numbers(run, guard_end(run, guard, is_ok(fmi2GetNominalsOfContinuousStates(run->c, nominal, n))),
-                         nominal, n);
 }
 
 /* ---- what only FMI 2.0 has ---- */

@@ -1,17 +1,44 @@
-/* The functions of FMI 3.0 under the names of calls.h, except those in special_fmi3.c. */
+/* What FMI 3.0 does in its own way, and what it alone has: the intermediate update of a step, adjoint derivatives,
+ * dependencies, refused functions. */
 #if FMI_VERSION == 3
-#include <string.h>
-
 #include "calls.h"
-#include "fmi3Functions.h"
+#include "fmi.h"
 #include "guard.h"
-#include "special_fmi3.h"
 
-static bool is_ok(fmi3Status status) {
-    return status == fmi3OK;
+/* ---- the master's part in a step ---- */
+
+/* Calls that a master must not make inside a step. */
+static void call_out_of_order(Run *run) {
+    void *state = NULL;
+    switch (take_below(&run->in, 6)) {
+        case 0: REQUIRE(run, !call_step(run, run->time, 0.01)); break;
+        case 1: REQUIRE(run, !call_reset(run)); break;
+        case 2: REQUIRE(run, !call_get_state(run, &state)); break;
+        case 3: REQUIRE(run, !call_terminate(run)); break;
+        case 4: REQUIRE(run, !call_enter_events(run)); break;
+        default: REQUIRE(run, !call_update_states(run)); break;
+    }
 }
 
-/* ---- life ---- */
+static void intermediate_update(fmi3InstanceEnvironment environment, fmi3Float64 time, fmi3Boolean set_requested,
+                                fmi3Boolean get_allowed, fmi3Boolean finished, fmi3Boolean can_return_early,
+                                fmi3Boolean *return_requested, fmi3Float64 *return_time) {
+    (void)finished;
+    Run *run = environment;
+    double value[1] = {((int)take_byte(&run->in) - 128) / 8.0};
+    const unsigned vr = take_below(&run->in, 6), choice = take_byte(&run->in);
+    run->inside = true;
+    REQUIRE(run, run->wild || time >= run->begin);
+    if (set_requested) call_set_reals(run, &vr, 1, value);
+    if (get_allowed) call_get_reals(run, &vr, 1, value);
+    if (choice >= 200) call_out_of_order(run);
+    run->inside = false;
+    *return_requested = choice % 4 == 0;
+    *return_time = time + choice * 1e-4;
+    if (!can_return_early && choice % 8 == 0) *return_time = take_any_number(&run->in);
+}
+
+/* ---- life and time ---- */
 
 static void log_message(fmi3InstanceEnvironment environment, fmi3Status status, fmi3String category,
                         fmi3String message) {
@@ -34,150 +61,12 @@ void call_instantiate(Run *run, Use use) {
     REQUIRE(run, run->c != NULL);
 }
 
-void call_free(Run *run) {
-    fmi3FreeInstance(run->c);
-}
-
 bool call_enter_initialization(Run *run, const double *tolerance, double start, const double *stop) {
     const Guard guard = guard_begin(run);
     return guard_end(run, guard,
                      is_ok(fmi3EnterInitializationMode(run->c, tolerance != NULL, tolerance != NULL ? *tolerance : 0.0,
                                                        start, stop != NULL, stop != NULL ? *stop : 0.0)));
 }
-
-bool call_exit_initialization(Run *run) {
-    const Guard guard = guard_begin(run);
-    return guard_end(run, guard, is_ok(fmi3ExitInitializationMode(run->c)));
-}
-
-bool call_terminate(Run *run) {
-    const Guard guard = guard_begin(run);
-    return guard_end(run, guard, is_ok(fmi3Terminate(run->c)));
-}
-
-bool call_reset(Run *run) {
-    const Guard guard = guard_begin(run);
-    return guard_end(run, guard, is_ok(fmi3Reset(run->c)));
-}
-
-bool call_logging(Run *run, bool on, size_t n, const char *const categories[]) {
-    const Guard guard = guard_begin(run);
-    return guard_end(run, guard, is_ok(fmi3SetDebugLogging(run->c, on, n, (const fmi3String *)categories)));
-}
-
-/* ---- variables ---- */
-
-bool call_get_reals(Run *run, const unsigned vr[], size_t n, double value[]) {
-    const Guard guard = guard_begin(run);
-    return guard_numbers(run, guard_end(run, guard, is_ok(fmi3GetFloat64(run->c, vr, n, value, n))), value, n);
-}
-
-bool call_get_integers(Run *run, const unsigned vr[], size_t n, int value[]) {
-    const Guard guard = guard_begin(run);
-    return guard_end(run, guard, is_ok(fmi3GetInt32(run->c, vr, n, value, n)));
-}
-
-bool call_get_booleans(Run *run, const unsigned vr[], size_t n) {
-    fmi3Boolean value[MAX_REFERENCES];
-    const Guard guard = guard_begin(run);
-    return guard_end(run, guard, is_ok(fmi3GetBoolean(run->c, vr, n, value, n)));
-}
-
-bool call_get_texts(Run *run, const unsigned vr[], size_t n) {
-    fmi3String value[MAX_REFERENCES];
-    const Guard guard = guard_begin(run);
-    const bool ok = guard_end(run, guard, is_ok(fmi3GetString(run->c, vr, n, value, n)));
-    for (size_t i = 0; ok && i < n; i++) REQUIRE(run, strlen(value[i]) < 1024);
-    return ok;
-}
-
-bool call_set_reals(Run *run, const unsigned vr[], size_t n, const double value[]) {
-    const Guard guard = guard_begin(run);
-    return guard_end(run, guard, is_ok(fmi3SetFloat64(run->c, vr, n, value, n)));
-}
-
-bool call_set_integers(Run *run, const unsigned vr[], size_t n, const int value[]) {
-    const Guard guard = guard_begin(run);
-    return guard_end(run, guard, is_ok(fmi3SetInt32(run->c, vr, n, value, n)));
-}
-
-bool call_set_booleans(Run *run, const unsigned vr[], size_t n, const int value[]) {
-    fmi3Boolean boolean[MAX_REFERENCES];
-    for (size_t i = 0; i < n && value != NULL; i++) boolean[i] = value[i] != 0;
-    const Guard guard = guard_begin(run);
-    return guard_end(run, guard, is_ok(fmi3SetBoolean(run->c, vr, n, value != NULL ? boolean : NULL, n)));
-}
-
-bool call_set_texts(Run *run, const unsigned vr[], size_t n, const char *const value[]) {
-    const Guard guard = guard_begin(run);
-    return guard_end(run, guard, is_ok(fmi3SetString(run->c, vr, n, (const fmi3String *)value, n)));
-}
-
-bool call_directional(Run *run, const unsigned unknown[], size_t unknowns, const unsigned known[], size_t knowns,
-                      const double seed[], double product[]) {
-    const Guard guard = guard_begin(run);
-    const fmi3Status status =
-        fmi3GetDirectionalDerivative(run->c, unknown, unknowns, known, knowns, seed, knowns, product, unknowns);
-    return guard_numbers(run, guard_end(run, guard, is_ok(status)), product, unknowns);
-}
-
-bool call_output_derivatives(Run *run, const unsigned vr[], size_t n, const int order[], double value[]) {
-    const Guard guard = guard_begin(run);
-    const fmi3Status status = fmi3GetOutputDerivatives(run->c, vr, n, order, value, n);
-    return guard_numbers(run, guard_end(run, guard, is_ok(status)), value, n);
-}
-
-/* ---- FMU states ---- */
-
-bool raw_get_state(Run *run, void **state) {
-    return is_ok(fmi3GetFMUState(run->c, state));
-}
-
-bool raw_free_state(Run *run, void **state) {
-    return is_ok(fmi3FreeFMUState(run->c, state));
-}
-
-size_t raw_state_size(Run *run, void *state) {
-    size_t size = 0;
-    REQUIRE(run, is_ok(fmi3SerializedFMUStateSize(run->c, state, &size)));
-    return size;
-}
-
-bool raw_serialize(Run *run, void *state, void *bytes, size_t size) {
-    return is_ok(fmi3SerializeFMUState(run->c, state, bytes, size));
-}
-
-bool call_get_state(Run *run, void **state) {
-    const Guard guard = guard_begin(run);
-    return guard_end(run, guard, raw_get_state(run, state));
-}
-
-bool call_set_state(Run *run, void *state) {
-    const Guard guard = guard_begin(run);
-    return guard_end(run, guard, is_ok(fmi3SetFMUState(run->c, state)));
-}
-
-bool call_free_state(Run *run, void **state) {
-    const Guard guard = guard_begin(run);
-    return guard_end(run, guard, raw_free_state(run, state));
-}
-
-bool call_state_size(Run *run, void *state, size_t *size) {
-    const Guard guard = guard_begin(run);
-    return guard_end(run, guard, is_ok(fmi3SerializedFMUStateSize(run->c, state, size)));
-}
-
-bool call_serialize(Run *run, void *state, void *bytes, size_t size) {
-    const Guard guard = guard_begin(run);
-    return guard_end(run, guard, raw_serialize(run, state, bytes, size));
-}
-
-bool call_deserialize(Run *run, const void *bytes, size_t size, void **state) {
-    const Guard guard = guard_begin(run);
-    return guard_end(run, guard, is_ok(fmi3DeserializeFMUState(run->c, bytes, size, state)));
-}
-
-/* ---- time ---- */
 
 /* Time lands on t + h, to the last bit, or before it if the step returns early. */
 bool call_step(Run *run, double t, double h) {
@@ -195,11 +84,6 @@ bool call_step(Run *run, double t, double h) {
     return true;
 }
 
-bool call_enter_events(Run *run) {
-    const Guard guard = guard_begin(run);
-    return guard_end(run, guard, is_ok(fmi3EnterEventMode(run->c)));
-}
-
 bool call_leave_events(Run *run) {
     const Guard guard = guard_begin(run);
     if (run->use == USE_MODEL_EXCHANGE) return guard_end(run, guard, is_ok(fmi3EnterContinuousTimeMode(run->c)));
@@ -214,41 +98,155 @@ bool call_update_states(Run *run) {
                      is_ok(fmi3UpdateDiscreteStates(run->c, &again, &terminate, &nominals, &values, &defined, &next)));
 }
 
-bool call_complete_step(Run *run) {
-    fmi3Boolean event, terminate;
+/* ---- derivatives and dependencies ---- */
+
+static bool adjoint(Run *run) {
+    fmi3ValueReference unknown[MAX_REFERENCES], known[MAX_REFERENCES];
+    double seed[MAX_REFERENCES], product[MAX_REFERENCES];
+    const size_t unknowns = take_below(&run->in, 4), knowns = take_below(&run->in, 4);
+    const size_t missing = take_byte(&run->in) >= 240;
+    for (size_t i = 0; i < unknowns; i++) unknown[i] = take_byte(&run->in), seed[i] = take_any_number(&run->in);
+    for (size_t i = 0; i < knowns; i++) known[i] = take_byte(&run->in);
     const Guard guard = guard_begin(run);
-    return guard_end(run, guard, is_ok(fmi3CompletedIntegratorStep(run->c, false, &event, &terminate)));
+    const fmi3Status status =
+        fmi3GetAdjointDerivative(run->c, unknown, unknowns, known, knowns, seed, unknowns + missing, product, knowns);
+    return guard_numbers(run, guard_end(run, guard, is_ok(status)), product, knowns);
 }
 
-bool call_set_time(Run *run, double time) {
-    const Guard guard = guard_begin(run);
-    return guard_end(run, guard, is_ok(fmi3SetTime(run->c, time)));
+static bool dependencies(Run *run) {
+    enum { MOST = 256 };
+    static size_t dependent[MOST], independent[MOST];
+    static fmi3ValueReference known[MOST];
+    static fmi3DependencyKind kind[MOST];
+    const fmi3ValueReference unknown = take_byte(&run->in);
+    const size_t more = take_byte(&run->in) >= 240;
+    size_t n = 0;
+    Guard guard = guard_begin(run);
+    if (!guard_end(run, guard, is_ok(fmi3GetNumberOfVariableDependencies(run->c, unknown, &n)))) return false;
+    REQUIRE(run, n < MOST);
+    guard = guard_begin(run);
+    const bool ok = guard_end(
+        run, guard, is_ok(fmi3GetVariableDependencies(run->c, unknown, dependent, known, independent, kind, n + more)));
+    REQUIRE(run, ok == (more == 0));
+    for (size_t i = 0; ok && i < n; i++) REQUIRE(run, has_variable(known[i]));
+    return ok;
 }
 
-bool call_set_states(Run *run, const double x[], size_t n) {
+static bool counts(Run *run) {
+    size_t states = 99, indicators = 99;
     const Guard guard = guard_begin(run);
-    return guard_end(run, guard, is_ok(fmi3SetContinuousStates(run->c, x, n)));
+    const bool ok = is_ok(fmi3GetNumberOfContinuousStates(run->c, &states)) &&
+                    is_ok(fmi3GetNumberOfEventIndicators(run->c, &indicators));
+    REQUIRE(run, !ok || (states == CONTINUOUS_STATES && indicators == EVENT_INDICATORS));
+    return guard_end(run, guard, ok);
 }
 
-bool call_get_states(Run *run, double x[], size_t n) {
-    const Guard guard = guard_begin(run);
-    return guard_numbers(run, guard_end(run, guard, is_ok(fmi3GetContinuousStates(run->c, x, n))), x, n);
+/* ---- functions without an answer ---- */
+
+static fmi3Status other_type(Run *run, unsigned choice, size_t n) {
+    const fmi3ValueReference vr[MAX_REFERENCES] = {take_byte(&run->in)};
+    union {
+        fmi3Float32 f32;
+        fmi3Int8 i8;
+        fmi3UInt8 u8;
+        fmi3Int16 i16;
+        fmi3UInt16 u16;
+        fmi3UInt32 u32;
+        fmi3Int64 i64;
+        fmi3UInt64 u64;
+        fmi3Clock clock;
+    } value[MAX_REFERENCES] = {{0}};
+    size_t size[MAX_REFERENCES] = {0};
+    fmi3Binary binary[MAX_REFERENCES] = {NULL};
+    switch (choice) {
+        case 0: return fmi3GetFloat32(run->c, vr, n, &value->f32, n);
+        case 1: return fmi3SetFloat32(run->c, vr, n, &value->f32, n);
+        case 2: return fmi3GetInt8(run->c, vr, n, &value->i8, n);
+        case 3: return fmi3SetInt8(run->c, vr, n, &value->i8, n);
+        case 4: return fmi3GetUInt8(run->c, vr, n, &value->u8, n);
+        case 5: return fmi3SetUInt8(run->c, vr, n, &value->u8, n);
+        case 6: return fmi3GetInt16(run->c, vr, n, &value->i16, n);
+        case 7: return fmi3SetInt16(run->c, vr, n, &value->i16, n);
+        case 8: return fmi3GetUInt16(run->c, vr, n, &value->u16, n);
+        case 9: return fmi3SetUInt16(run->c, vr, n, &value->u16, n);
+        case 10: return fmi3GetUInt32(run->c, vr, n, &value->u32, n);
+        case 11: return fmi3SetUInt32(run->c, vr, n, &value->u32, n);
+        case 12: return fmi3GetInt64(run->c, vr, n, &value->i64, n);
+        case 13: return fmi3SetInt64(run->c, vr, n, &value->i64, n);
+        case 14: return fmi3GetUInt64(run->c, vr, n, &value->u64, n);
+        case 15: return fmi3SetUInt64(run->c, vr, n, &value->u64, n);
+        case 16: return fmi3GetBinary(run->c, vr, n, size, binary, n);
+        case 17: return fmi3SetBinary(run->c, vr, n, size, binary, n);
+        case 18: return fmi3GetClock(run->c, vr, n, &value->clock);
+        default: return fmi3SetClock(run->c, vr, n, &value->clock);
+    }
 }
 
-bool call_get_derivatives(Run *run, double derivative[], size_t n) {
-    const Guard guard = guard_begin(run);
-    const fmi3Status status = fmi3GetContinuousStateDerivatives(run->c, derivative, n);
-    return guard_numbers(run, guard_end(run, guard, is_ok(status)), derivative, n);
+static fmi3Status of_clocks(Run *run, unsigned choice, size_t n) {
+    const fmi3ValueReference vr[MAX_REFERENCES] = {take_byte(&run->in)};
+    double interval[MAX_REFERENCES] = {0.0};
+    fmi3UInt64 counter[MAX_REFERENCES] = {0}, resolution[MAX_REFERENCES] = {0};
+    fmi3IntervalQualifier qualifier[MAX_REFERENCES];
+    switch (choice) {
+        case 0: return fmi3GetIntervalDecimal(run->c, vr, n, interval, qualifier);
+        case 1: return fmi3GetIntervalFraction(run->c, vr, n, counter, resolution, qualifier);
+        case 2: return fmi3GetShiftDecimal(run->c, vr, n, interval);
+        case 3: return fmi3GetShiftFraction(run->c, vr, n, counter, resolution);
+        case 4: return fmi3SetIntervalDecimal(run->c, vr, n, interval);
+        case 5: return fmi3SetIntervalFraction(run->c, vr, n, counter, resolution);
+        case 6: return fmi3SetShiftDecimal(run->c, vr, n, interval);
+        case 7: return fmi3SetShiftFraction(run->c, vr, n, counter, resolution);
+        case 8: return fmi3ActivateModelPartition(run->c, vr[0], run->time);
+        case 9: return fmi3EnterConfigurationMode(run->c);
+        case 10: return fmi3ExitConfigurationMode(run->c);
+        default: return fmi3EvaluateDiscreteStates(run->c);
+    }
 }
 
-bool call_get_indicators(Run *run, double indicator[], size_t n) {
+static bool unsupported(Run *run) {
+    const unsigned choice = take_below(&run->in, 32);
+    const size_t n = take_byte(&run->in) < 200;
     const Guard guard = guard_begin(run);
-    return guard_numbers(run, guard_end(run, guard, is_ok(fmi3GetEventIndicators(run->c, indicator, n))), indicator, n);
+    const bool ok =
+        guard_end(run, guard, is_ok(choice < 20 ? other_type(run, choice, n) : of_clocks(run, choice - 20, n)));
+    if (n > 0) REQUIRE(run, !ok);
+    return ok;
 }
 
-bool call_get_nominals(Run *run, double nominal[], size_t n) {
+/* As many values as variables: another number is refused. */
+static bool wrong_count(Run *run) {
+    const fmi3ValueReference vr[2] = {take_below(&run->in, 8), 0};
+    double value[2] = {0.0, 0.0};
     const Guard guard = guard_begin(run);
-    return guard_numbers(run, guard_end(run, guard, is_ok(fmi3GetNominalsOfContinuousStates(run->c, nominal, n))),
-                         nominal, n);
+    const bool ok = guard_end(run, guard, is_ok(fmi3GetFloat64(run->c, vr, 1, value, 2)));
+    REQUIRE(run, !ok);
+    return ok;
+}
+
+/* Any numbers to begin with. */
+static bool begin_somehow(Run *run) {
+    const double tolerance = take_any_number(&run->in), start = take_any_number(&run->in);
+    const double stop = take_any_number(&run->in);
+    const unsigned given = take_below(&run->in, 4);
+    if (!call_enter_initialization(run, given & 1 ? &tolerance : NULL, start, given & 2 ? &stop : NULL)) return false;
+    run->time = start;
+    run->wild = true;
+    return true;
+}
+
+void call_special(Run *run) {
+    switch (take_below(&run->in, 8)) {
+        case 0:
+        case 1:
+        case 2: adjoint(run); break;
+        case 3:
+        case 4: dependencies(run); break;
+        case 5: counts(run); break;
+        case 6: begin_somehow(run); break;
+        default:
+            if (take_byte(&run->in) < 240) unsupported(run);
+            else wrong_count(run);
+            break;
+    }
 }
 #endif

@@ -16,15 +16,7 @@ from pathlib import Path
 
 from tree_sitter import Node
 
-from verification.strength.sites import (
-    below,
-    field,
-    function_name,
-    is_condition,
-    is_constant,
-    parse,
-    plain,
-)
+from verification.strength.sites import below, field, function_name, is_condition, is_constant, parse, plain
 
 SEEN = "DUALCAM_BRANCHES"
 HEADER = "platform/branch_marks.h"
