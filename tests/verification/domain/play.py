@@ -145,6 +145,8 @@ def judge(library: Any, seed: int, tolerance: float) -> Outcome:
         _compare_cut(library, scene, rows, points, rng, tolerance, outcome)
     except Unresolved as reason:
         outcome.open = str(reason)
+    except ZeroDivisionError:  # a groove that is level where the reference divides by its slope
+        outcome.open = "the reference divides by zero"
     except Ambiguous as reason:
         outcome.problems.append(f"reference: {reason}")
     except Refusal as refusal:
