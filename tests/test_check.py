@@ -288,8 +288,8 @@ def test_default_limits_of_the_lead_angle_only_warn(design):
             'cam2.radius = 0.0200000000001\npin = {radius = "3 mm", width = "8 mm"}',
             "the walls of cam 1 (radius 16 to 24 mm) and cam 2 (radius 16 to 24 mm) overlap and the cams"
             " cannot stand inside one another. Give the cams radii that differ by wall and clearance, at"
-            " least pin.width = 8 mm. Equal grooves with radii of 15 and 30 mm have the same torque and"
-            " stroke",
+            " least pin.width = 8 mm. These grooves have the same torque and stroke with radii of 15"
+            " and 30 mm",
         ),
     ],
 )
@@ -348,7 +348,7 @@ CYCLOIDS = "stop.lower = 0.7\ninitial.theta = 0.8\n" + "".join(
 def test_radii_of_the_same_torque_are_proposed_where_there_are_some(design, text, is_same):
     verdict = check_design(design(text))
     (finding,) = (one for one in verdict.findings if one.kind == "equal radii")
-    proposal = "Equal grooves with radii of 15 and 30 mm have the same torque and stroke"
+    proposal = "These grooves have the same torque and stroke with radii of 15 and 30 mm"
     assert (proposal in finding.text) == is_same
     other = design(text)
     for name, radius in (("cam1.radius", 0.015), ("cam2.radius", 0.03)):

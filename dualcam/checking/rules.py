@@ -231,7 +231,7 @@ def _nested_radii(design: DesignFile, mechanism: Mechanism) -> str:
         if not np.allclose(getattr(after, name), getattr(before, name), rtol=1e-6, atol=0.0, equal_nan=True):
             return ""
     radii = f"{1e3 * inner:.4g} and {2e3 * inner:.4g} mm"
-    return f". Equal grooves with radii of {radii} have the same torque and stroke"
+    return f". These grooves have the same torque and stroke with radii of {radii}"
 
 
 def _start(design: DesignFile, mechanism: Mechanism) -> list[Trouble]:
