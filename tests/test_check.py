@@ -102,6 +102,12 @@ SINGLE = {
         "scenario.inputs.theta reaches 2 rad: allowed is stop.lower = 0 rad to stop.upper = 1.3963 rad",
         ("stop.upper", 2.0),
     ),
+    "imposed curve beyond the stop, its points before": (
+        "[scenario]\nstop = 3\n"
+        'inputs.theta = {time = [0, 1, 2, 3], value = [0, 1.2, 1.2, 0], shape = "smooth"}',
+        "scenario.inputs.theta reaches 1.5 rad at 1.5 s, between its points: allowed is stop.lower = 0 rad",
+        ("stop.upper", 1.5),  # see test_a_smooth_curve_beyond_its_points_gets_a_warning
+    ),
     "lead angle out of limits": (
         "[limits]\nlead_angle = ['50 deg', '80 deg']\n[cam2]\nlead_angle = '60 deg'",
         "lead angle of groove 1 at theta = 0 deg is 45 deg: allowed is 50 to 80",
@@ -269,8 +275,8 @@ def test_default_limits_of_the_lead_angle_only_warn(design):
             'cam2.radius = 0.0200000000001\npin = {radius = "3 mm", width = "8 mm"}',
             "the walls of cam 1 (radius 16 to 24 mm) and cam 2 (radius 16 to 24 mm) overlap and the cams"
             " cannot stand inside one another. Give the cams radii that differ by wall and clearance, at"
-            " least pin.width = 8 mm. Equal grooves with radii of 15 and 30 mm have the same torque and"
-            " stroke",
+            " least pin.width = 8 mm. These grooves have the same torque and stroke with radii of 15"
+            " and 30 mm",
         ),
     ],
 )
@@ -284,6 +290,60 @@ def test_equal_radii_get_a_warning(design, text, words):
     before, after = verdict.numbers, check_design(design(NEST)).numbers
     assert after.load == pytest.approx(before.load) and after.stroke == pytest.approx(before.stroke)
     assert all(one.kind != "equal radii" for one in check_design(design("cam2.radius = 0.021")).findings)
+
+
+@pytest.mark.parametrize(
+    ("radii", "words"),
+    [
+        (("20 mm", "27.9 mm"), "cam 1 (radius 16 to 24 mm) and cam 2 (radius 23.9 to 31.9 mm) overlap"),
+        (("27.9 mm", "20 mm"), "cam 1 (radius 23.9 to 31.9 mm) and cam 2 (radius 16 to 24 mm) overlap"),
+        (("20 mm", "28 mm"), ""),
+        (("14 mm", "22 mm"), ""),  # in m they differ by less than 0.008, by rounding
+    ],
+)
+def test_radii_that_differ_by_less_than_the_pin_get_a_warning(design, radii, words):
+    """A wall reaches from r - w/2 to r + w/2."""
+    text = f'cam1.radius = "{radii[0]}"\ncam2.radius = "{radii[1]}"\n'
+    verdict = check_design(design(text + 'pin = {radius = "3 mm", width = "8 mm"}'))
+    found = [one for one in verdict.findings if one.kind == "equal radii"]
+    assert verdict.good and len(found) == bool(words)
+    if found:
+        assert found[0].text.startswith(f"cam1.radius = {radii[0]} and cam2.radius = {radii[1]} cannot be")
+        assert words in found[0].text
+        assert "radii that differ by wall and clearance, at least pin.width = 8 mm" in found[0].text
+    assert all(one.kind != "equal radii" for one in check_design(design(text)).findings)
+
+
+CYCLOIDS = "stop.lower = 0.7\ninitial.theta = 0.8\n" + "".join(
+    f"cam{i} = {{profile = 'cycloid', friction = MU}}\n" for i in (1, 2)
+)
+
+
+@pytest.mark.parametrize(
+    ("text", "is_same"),
+    [
+        ("cam1.lead_angle = 0.7\ncam2.lead_angle = 0.7", True),
+        ("cam1.lead_angle = 0.7\ncam2.lead_angle = 0.6", False),
+        ("cam1.friction = 0.1\ncam2.friction = 0.2", False),
+        ("cam1.profile = 'ellipse'\ncam2.profile = 'ellipse'", True),
+        ("cam1.profile = 'ellipse'", False),
+        (CYCLOIDS.replace("MU", "0.1"), False),  # psi counts and not the arc: the lead angles change
+        (CYCLOIDS.replace("MU", "0.0"), True),  # without friction the radius does not matter
+        ('pin = {radius = "3 mm", width = "16 mm"}', False),  # radii of 15 and 30 mm: the walls overlap
+    ],
+)
+def test_radii_of_the_same_torque_are_proposed_where_there_are_some(design, text, is_same):
+    verdict = check_design(design(text))
+    (finding,) = (one for one in verdict.findings if one.kind == "equal radii")
+    proposal = "These grooves have the same torque and stroke with radii of 15 and 30 mm"
+    assert (proposal in finding.text) == is_same
+    other = design(text)
+    for name, radius in (("cam1.radius", 0.015), ("cam2.radius", 0.03)):
+        other = with_value(other, name, radius)
+    before, after = verdict.numbers, check_design(other).numbers
+    if "pin" not in text:
+        is_equal = after.load == pytest.approx(before.load) and after.stroke == pytest.approx(before.stroke)
+        assert is_equal == is_same
 
 
 def test_a_spring_without_preload_is_no_error(design):
@@ -496,6 +556,33 @@ def test_scenarios_that_do_nothing_get_a_warning(design, scenario, words):
     assert verdict.good
     texts = [finding.text for finding in verdict.findings]
     assert any(words in text for text in texts) if words else texts == []
+
+
+# Values of tau at 0, 1, 2, 3 s, and where the spline between them is beyond. Its slopes by hand, with y' = 0
+# at both ends: 4 m1 + m2 = 3 (y2 - y0), m1 + 4 m2 = 3 (y3 - y1).
+SPLINES = {
+    "above": ("[0, 8, 8, 0]", "reaches 10 N.m at 1.5 s, and"),  # m1 = 8: y = 8 + 8 h (1 - h) in the middle
+    "below": ("[8, 0, 0, 8]", "reaches -2 N.m at 1.5 s, and"),
+    # m1 = m2 = -2.4: y = 4 + 14.4 h^2 - 10.4 h^3 at first, which is largest at h = 12/13
+    "on both sides": ("[4, 8, 0, 4]", "reaches -0.08994 N.m at 2.077 s and 8.09 N.m at 0.9231 s, and"),
+    "on both sides, by 0.8 %": ("[3.5, 8, 0, 4.5]", ""),
+    "not at all": ("[0, 3, 6, 8]", ""),
+}
+
+
+@pytest.mark.parametrize("name", SPLINES)
+def test_a_smooth_curve_beyond_its_points_gets_a_warning(design, name):
+    values, words = SPLINES[name]
+    curve = f"inputs.tau = {{time = [0, 1, 2, 3], value = {values}, shape = 'smooth'}}\n"
+    verdict = check_design(design(f"{NEST}[scenario]\nstop = 3\n{curve}"))
+    found = [finding for finding in verdict.warnings if finding.key == "scenario.inputs.tau"]
+    assert verdict.good and len(found) == bool(words)
+    if found:
+        assert words in found[0].text and found[0].line == 5
+        assert "its points are between 0 and 8 N.m" in found[0].text
+        assert 'Closer points, or shape = "linear", keep the curve' in found[0].text
+    straight = check_design(design(f"{NEST}[scenario]\nstop = 3\n{curve.replace('smooth', 'linear')}"))
+    assert straight.findings == ()
 
 
 @pytest.mark.parametrize("motion", ["tau = 3.0", "theta = 0.5"])

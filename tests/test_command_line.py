@@ -3,6 +3,7 @@
 import csv
 import json
 import os
+import re
 import subprocess
 import sys
 import tomllib
@@ -475,7 +476,10 @@ def test_unequal_radii_keep_groove_2(design, capsys):
     wanted = Path("torque.csv")
     wanted.write_text("theta_deg,torque_Nm\n0,1\n20,3\n50,6\n80,9\n", encoding="utf-8")
     said = spoken(capsys, "design", "my.toml", "--torque", str(wanted), "-o", "groove.csv").out
-    assert "Replace the lines profile and table in your [cam1] of my.toml" in said and "[cam2]" not in said
+    assert (
+        "Replace the lines profile, lead_angle and table in your [cam1] of my.toml" in said
+        and "[cam2]" not in said
+    )
     said = spoken(capsys, "design", "my.toml", "--torque", "5", "-o", "g.csv", "--groove2", "equal", code=1)
     assert "equal grooves need equal radii" in said.err
 
@@ -512,7 +516,8 @@ def test_a_groove_that_cannot_work_is_called_so(equal, capsys):
     text = equal.read_text(encoding="utf-8")
     for cam in ("cam1", "cam2"):
         text = text.replace(f"[{cam}]", f'[{cam}]\nprofile = "table"\ntable = "groove.csv"')
-    equal.write_text(text.replace('profile = "helix"', ""), encoding="utf-8")
+    text = re.sub('(profile = "helix"|lead_angle = ).*', "", text)
+    equal.write_text(text, encoding="utf-8")
     checked = answer(capsys, "check", "my.toml", code=1)
     assert not found["good"] and len(found["findings"]) == len(checked["findings"]) > 0
     errors = [one for one in checked["findings"] if one["severity"] == "error"]
@@ -601,7 +606,7 @@ def test_a_name_that_the_terminal_cannot_show_does_no_harm(design):
 @pytest.mark.parametrize("torque", ["4", "4 N.m", "4Nm", "4000 N.mm"])
 def test_a_torque_may_have_its_unit(equal, capsys, torque):
     said = spoken(capsys, "design", "my.toml", "--torque", torque, "-o", "groove.csv").out
-    assert "Replace the lines profile and table in your [cam1] and [cam2] of my.toml:" in said
+    assert "Replace the lines profile, lead_angle and table in your [cam1] and [cam2] of my.toml:" in said
     assert (equal.parent / "groove.csv").exists()
 
 

@@ -433,9 +433,46 @@ def test_table_with_a_right_header_and_wrong_numbers(read, tmp_path):
 def test_table_that_is_not_used(read, refusal, tmp_path):
     (tmp_path / "g.csv").write_text("psi_rad,z_m\n0,0\n0.5,0.01\n1,0.02\n1.5,0.03\n")
     (warning,) = read('cam1.table = "g.csv"').warnings
-    assert "cam1.table is not used with cam1.profile = 1: give cam1.profile = 3" in warning.text
+    assert warning.text == (
+        'cam1.table is not used: the groove of cam1 is a helix. cam1.table belongs to cam1.profile = "table"'
+    )
     text = refusal('cam1.profile = 3\ncam2.table = "g.csv"')
     assert "cam1.profile = 3 (table) without cam1.table" in text and "swapped" in text
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("cycloid_rise = 0.02", ["cycloid_rise is not used: the groove of cam2 is a helix"]),  # the default
+        (
+            'profile = "cycloid"\nlead_angle = "40 deg"\nellipse_a = 0.05',
+            [
+                "lead_angle is not used: the groove of cam2 is a cycloid. cam2.lead_angle belongs to"
+                ' cam2.profile = "helix" or "ellipse"',
+                "ellipse_a is not used: the groove of cam2 is a cycloid",
+            ],
+        ),
+        (
+            "profile = 2\nlead_angle = 0.7\ncycloid_angle = 1.0",
+            ["cycloid_angle is not used: the groove of cam2 is an"],
+        ),
+        (
+            'profile = "table"\ntable = "g.csv"\nlead_angle = 0.7',
+            ["lead_angle is not used: the groove of cam2 is a table"],
+        ),
+        ("profile = 2\nlead_angle = 0.7\nellipse_curvature = 1\nfriction = 0.1", []),
+    ],
+)
+def test_keys_of_another_groove_law_get_a_warning(read, tmp_path, text, words):
+    (tmp_path / "g.csv").write_text("psi_rad,z_m\n0,0\n0.5,0.01\n1,0.02\n1.5,0.03\n")
+    found = read(f"[cam2]\n{text}").warnings
+    for warning, each in zip(found, words, strict=True):
+        assert warning.text.startswith(f"cam2.{each}") and warning.kind == "unused"
+        assert text.splitlines()[warning.line - 2].startswith(warning.key.removeprefix("cam2."))
+
+
+def test_keys_of_a_refused_groove_law_get_no_warning(refusal):
+    assert "is not used" not in refusal('cam1.profile = "spiral"\ncam1.cycloid_rise = 0.02')
 
 
 # ---- templates ----

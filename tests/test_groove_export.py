@@ -103,7 +103,7 @@ def test_the_groove_of_a_wanted_torque_is_cut(design, capsys):
     run(capsys, "--torque", "5", "--export", "cut.csv", "--cam", "1")
     assert names(design) == {"cut.csv"}
     said = run(capsys, "--torque", "5", "-o", "table.csv", "--export", "cut.csv", "--force").out
-    assert "Replace the lines profile and table" in said and "cut_cam2.csv written" in said
+    assert "Replace the lines profile, lead_angle and table" in said and "cut_cam2.csv written" in said
     table, cut = points("table.csv"), points("cut.csv")
     assert cut["psi_rad"][-1] == pytest.approx(table["psi_rad"][-1], rel=1e-9)
     assert cut["z_m"][-1] == pytest.approx(table["z_m"][-1], rel=1e-9)

@@ -3,7 +3,7 @@
 check_design      all findings about a design file, each with the nearest value that works
 Verdict           the findings, and whether the design is good
 
-May import common, fmi, design, design_file.
+May import common, fmi, design, scenario, design_file.
 """
 
 from dualcam.checking.verdict import Verdict, check_design

@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from dualcam.checking.durability import durability
-from dualcam.checking.trouble import Remedy, Trouble, trouble, value_of
+from dualcam.checking.trouble import Remedy, Trouble, shown_beside, trouble, value_of, with_value
 from dualcam.common.groove_laws import CYCLOID, LAWS, PARAMETERS, GrooveLaw
 from dualcam.design import Limits, Mechanism, torque_band
 from dualcam.design.grooves import ClosedForm
@@ -21,11 +21,11 @@ from dualcam.design_file.findings import ERROR, WARNING
 from dualcam.errors import DesignError
 
 OF_GROOVES = ("jam", "level", "self-locking", "lead angle", "undercut", "contact pressure")  # kinds
-EQUAL_RADII = "equal radii"  # a kind: a design that is run only may have them
+EQUAL_RADII = "equal radii"  # a kind, also of nearly equal ones: a design that is run only may have them
 SAME_RADIUS = 1e-9  # relative difference of radii below which both count as equal
-SLOWEST = 1.0  # s: a cam that takes longer from stop to stop, driven by the torque to load, is strange
-SMALL_TORQUES = {"N.cm": 1e-2, "N.mm": 1e-3}  # N.m
-LARGEST_TORQUE = 20.0  # times the largest torque to load
+SAMPLES = 5  # angles at which torques of two designs are compared
+WITHIN_POINTS = 'Closer points, or shape = "linear", keep the curve in the range of its points'
+STOP_ROUNDING = 1e-9  # share of the range by which the inverse FMU lets theta pass a stop
 
 
 def swap_warning(design: DesignFile, errors: Iterable[str]) -> Finding | None:
@@ -54,7 +54,7 @@ def troubles(design: DesignFile, locate: bool = True) -> list[Trouble]:
     limits = design.limits or Limits()
     _, failures = examine(mechanism, design.pin, limits, locate=locate)
     found = [_trouble(design, mechanism, failure) for failure in failures]
-    more = (_solid_length, _start, _imposed, _pin_in_cam, _equal_radii)
+    more = (_solid_length, _start, _imposed, _pin_in_cam, _overlapping_walls)
     found += [one for rule in more for one in rule(design, mechanism)]
     return [*found, *durability(design, mechanism, propose=locate)]
 
@@ -191,25 +191,47 @@ def _pin_in_cam(design: DesignFile, mechanism: Mechanism) -> list[Trouble]:
     return [trouble(design, "pin in cam", "pin.radius", text, ERROR, Remedy("pin.radius", 1e-6))]
 
 
-def _equal_radii(design: DesignFile, mechanism: Mechanism) -> list[Trouble]:
-    """Cams of one radius: the wall of each reaches half the pin's width below and above the radius."""
+def _overlapping_walls(design: DesignFile, mechanism: Mechanism) -> list[Trouble]:
+    """Cams whose walls, each half the pin's width below and above the radius, overlap."""
     inner, outer = sorted(mechanism.radius)
-    if outer - inner > SAME_RADIUS * outer:
+    width = design.pin.width if design.pin else 0.0
+    is_equal = outer - inner <= SAME_RADIUS * outer
+    if not is_equal and outer - inner >= width - SAME_RADIUS * outer:
         return []
-    radius = 1e3 * outer
-    walls, apart = "the walls of cam 1 and cam 2", "by wall and clearance, at least the pin's width"
-    if design.pin is not None:
-        half = 500.0 * design.pin.width
-        wall = f"(radius {radius - half:.6g} to {radius + half:.6g} mm)"
-        walls = f"the walls of cam 1 {wall} and cam 2 {wall}"
-        apart = f"by wall and clearance, at least pin.width = {2.0 * half:.6g} mm"
+    first, second = (f"{1e3 * radius:.6g} mm" for radius in mechanism.radius)
+    given = f"cam1.radius = {first} and cam2.radius = {second} cannot be built"
+    if is_equal:
+        given = f"cam1.radius = cam2.radius = {first}: equal radii cannot be built"
+    walls, apart = ["cam 1", "cam 2"], "the pin's width"
+    if design.pin:
+        ends = [[1e3 * (radius + side * width) for side in (-0.5, 0.5)] for radius in mechanism.radius]
+        walls = [f"cam {i} (radius {low:.6g} to {high:.6g} mm)" for i, (low, high) in enumerate(ends, 1)]
+        apart = f"pin.width = {1e3 * width:.6g} mm"
     text = (
-        f"cam1.radius = cam2.radius = {radius:.6g} mm: equal radii cannot be built, because {walls} overlap"
-        f" and the cams cannot stand inside one another. Give the cams radii that differ {apart}."
-        f" Equal grooves with radii of {0.75 * radius:.4g} and {1.5 * radius:.4g} mm have the same torque and"
-        " stroke"
+        f"{given}, because the walls of {' and '.join(walls)} overlap and the cams cannot stand inside one"
+        f" another. Give the cams radii that differ by wall and clearance, at least {apart}"
+        f"{_nested_radii(design, mechanism)}"
     )
     return [trouble(design, EQUAL_RADII, "cam2.radius", text, WARNING)]
+
+
+def _nested_radii(design: DesignFile, mechanism: Mechanism) -> str:
+    """A sentence with radii, one twice the other, of the same torque and stroke; empty where torque or stroke
+    would change, or the walls would still overlap."""
+    inner = 1.5 / sum(1.0 / radius for radius in mechanism.radius)
+    if design.pin and inner < design.pin.width:
+        return ""
+    nested = with_value(with_value(design, "cam1.radius", inner), "cam2.radius", 2.0 * inner)
+    with np.errstate(all="ignore"):  # grooves that jam or end early
+        try:
+            before, after = (torque_band(one, SAMPLES) for one in (mechanism, nested.mechanism()))
+        except DesignError:
+            return ""
+    for name in ("z", "load", "release"):
+        if not np.allclose(getattr(after, name), getattr(before, name), rtol=1e-6, atol=0.0, equal_nan=True):
+            return ""
+    radii = f"{1e3 * inner:.4g} and {2e3 * inner:.4g} mm"
+    return f". These grooves have the same torque and stroke with radii of {radii}"
 
 
 def _start(design: DesignFile, mechanism: Mechanism) -> list[Trouble]:
@@ -230,96 +252,19 @@ def _imposed(design: DesignFile, mechanism: Mechanism) -> list[Trouble]:
     history = design.scenario.inputs.get("theta") if design.scenario else None
     if history is None or not len(history.value):
         return []
-    outside = [value for value in history.value if not mechanism.lower <= value <= mechanism.upper]
+    rounding = STOP_ROUNDING * (mechanism.upper - mechanism.lower)
+    low, high = mechanism.lower - rounding, mechanism.upper + rounding
+    outside = [extreme for extreme in history.extremes if not low <= extreme[1] <= high]
     if not outside:
         return []
-    far = max(outside, key=abs)
+    time, far = max(outside, key=lambda extreme: abs(extreme[1]))
+    stop = mechanism.upper if far > mechanism.upper else mechanism.lower
+    between = far not in history.value
     text = (
-        f"scenario.inputs.theta reaches {far:.6g} rad: allowed is stop.lower = {mechanism.lower:.6g} rad to"
-        f" stop.upper = {mechanism.upper:.6g} rad"
+        f"scenario.inputs.theta reaches {shown_beside(far, stop, 6)} rad"
+        f"{f' at {time:.4g} s, between its points' if between else ''}: allowed is stop.lower ="
+        f" {mechanism.lower:.6g} rad to stop.upper = {mechanism.upper:.6g} rad"
     )
     remedy = Remedy("stop.upper" if far > 0.0 else "stop.lower", 1.001 * far)
     finding = Finding(ERROR, "scenario.inputs.theta", far, text, kind="imposed angle")
-    return [Trouble(finding, (remedy,))]
-
-
-def implausible(design: DesignFile) -> list[Finding]:
-    """Warnings about the moment of inertia, and the torque and times of the scenario."""
-    try:
-        mechanism = design.mechanism()
-        torque = float(np.max(torque_band(mechanism, 61).load))
-    except DesignError:
-        return []
-    if not 0.0 < torque < math.inf:
-        return []
-    found = [
-        _inertia(design, torque, mechanism.upper - mechanism.lower),
-        _torque(design, torque),
-        _late(design),
-        _still(design, mechanism),
-    ]
-    return [finding for finding in found if finding]
-
-
-def _inertia(design: DesignFile, torque: float, angle: float) -> Finding | None:
-    """A cam whose inertia makes it slow: t = sqrt(2 angle inertia/torque), from rest."""
-    inertia = design.value("inertia.shaft")
-    time = math.sqrt(2.0 * angle * inertia / torque)
-    if time <= SLOWEST or "inertia.shaft" not in design.parameters:
-        return None
-    text = (
-        f"inertia.shaft = {inertia:.6g} kg.m2: this looks like kg.cm2; {inertia:.6g} kg.cm2 is"
-        f" {inertia / 1e4:.6g} kg.m2. The largest torque to load, {torque:.4g} N.m, would take {time:.3g} s"
-        " to turn this inertia from stop to stop"
-    )
-    return Finding(WARNING, "inertia.shaft", inertia, text, kind="unit")
-
-
-def _torque(design: DesignFile, torque: float) -> Finding | None:
-    history = design.scenario.inputs.get("tau") if design.scenario else None
-    far = max(history.value, key=abs, default=0.0) if history else 0.0
-    if abs(far) <= LARGEST_TORQUE * torque:
-        return None
-    unit, factor = min(SMALL_TORQUES.items(), key=lambda entry: abs(math.log(abs(far) * entry[1] / torque)))
-    text = (
-        f"scenario.inputs.tau reaches {far:.6g} N.m: this looks like {unit}; {far:.6g} {unit} is"
-        f" {far * factor:.6g} N.m. The largest torque to load is {torque:.4g} N.m"
-    )
-    return Finding(WARNING, "scenario.inputs.tau", far, text, kind="unit")
-
-
-def _late(design: DesignFile) -> Finding | None:
-    """Points of an input after the end of the scenario, which have no effect."""
-    scenario = design.scenario
-    for name, history in scenario.inputs.items() if scenario else ():
-        if scenario and len(history.time) and history.time[-1] > scenario.stop * (1.0 + 1e-9):
-            text = (
-                f"scenario.inputs.{name} has points up to {history.time[-1]:.6g} s, and the scenario ends at"
-                f" stop = {scenario.stop:.6g} s: the later points have no effect"
-            )
-            return Finding(WARNING, f"scenario.inputs.{name}", history.time[-1], text, kind="scenario")
-    return None
-
-
-def _still(design: DesignFile, mechanism: Mechanism) -> Finding | None:
-    """A torque that stays inside the stick band of the start, where the cam is at rest."""
-    scenario = design.scenario
-    if scenario is None or set(scenario.inputs) != {"tau"} or design.value("initial.omega") != 0.0:
-        return None
-    history, start = scenario.inputs["tau"], design.value("initial.theta")
-    if history.shape != "linear" or history.derivative_of:
-        return None
-    inside = [value for time, value in zip(history.time, history.value, strict=True) if time < scenario.stop]
-    acting = [*inside, float(np.interp(scenario.stop, history.time, history.value))]
-    release, load = (float(edge) for edge in mechanism.band(start))
-    at_lower, at_upper = start <= mechanism.lower, start >= mechanism.upper
-    if max(acting) > load and not at_upper:
-        return None
-    if min(acting) < release and not at_lower:
-        return None
-    text = (
-        f"scenario.inputs.tau stays between {min(acting):.6g} and {max(acting):.6g} N.m: the cam never leaves"
-        f" theta = {math.degrees(start):.4g} deg, where {load:.4g} N.m load and below {release:.4g} N.m the"
-        " spring turns the cam back"
-    )
-    return Finding(WARNING, "scenario.inputs.tau", max(acting), text, kind="scenario")
+    return [Trouble(finding, (remedy,), hint=WITHIN_POINTS if between else "")]

@@ -8,8 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from dualcam.checking.plausibility import implausible
 from dualcam.checking.remedies import RemedySearch
-from dualcam.checking.rules import implausible, swap_warning, troubles
+from dualcam.checking.rules import swap_warning, troubles
 from dualcam.common.unit_guards import units_checked_before
 from dualcam.design import Limits, Pin, torque_band
 from dualcam.design.band import NOT_LOCKING, span

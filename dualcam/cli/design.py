@@ -18,7 +18,7 @@ from dualcam.cli.check import tell_findings
 from dualcam.cli.groove_export import GrooveExport, export_options
 from dualcam.cli.options import anyway, as_json, design_file, example, judge, output_file
 from dualcam.cli.output import count, keep_files_of, print_json, refuse_to_overwrite, say, warn, warnings_said
-from dualcam.common.groove_laws import TABLE
+from dualcam.common.groove_laws import PARAMETERS, TABLE
 from dualcam.errors import DesignError, DualcamWarning
 
 if TYPE_CHECKING:
@@ -126,7 +126,7 @@ def command(
     if found is not None:
         say(found.summary())
     if output is not None:
-        _say_how_to_use(output, design_file, cams)
+        _say_how_to_use(output, design, cams)
     if files:
         exported.say_written(design, mechanism)
     if verdict is not None:
@@ -185,11 +185,14 @@ def _facts(found: Design, table: Path | None, cams: tuple[int, ...]) -> dict[str
     }
 
 
-def _say_how_to_use(table: Path, design_file: Path, cams: tuple[int, ...]) -> None:
+def _say_how_to_use(table: Path, design: DesignFile, cams: tuple[int, ...]) -> None:
     tables = " and ".join(f"[cam{cam}]" for cam in cams)
-    say(f"{table} written. Replace the lines profile and table in your {tables} of {design_file}:")
+    others = (name for name in PARAMETERS if name not in TABLE.parameters)
+    given = [name for name in others if any(f"cam{cam}.{name}" in design.parameters for cam in cams)]
+    lines = f"{', '.join(['profile', *given])} and table"
+    say(f"{table} written. Replace the lines {lines} in your {tables} of {design.path}:")
     for cam in cams:
-        say(f'[cam{cam}]\nprofile = "table"\ntable = "{_path_from(design_file, table)}"')
+        say(f'[cam{cam}]\nprofile = "table"\ntable = "{_path_from(design.path, table)}"')
 
 
 def _path_from(design_file: Path, table: Path) -> str:

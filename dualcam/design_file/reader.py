@@ -9,7 +9,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from dualcam.common.groove_laws import TABLE
+from dualcam.common.groove_laws import LAWS, PARAMETERS, TABLE, laws_with
 from dualcam.common.paths import path_of
 from dualcam.common.unit_guards import table_warnings, unit_warning, units_checked_before
 from dualcam.design_file.design import DesignFile, SpringLimits, sample_times
@@ -156,6 +156,7 @@ class _Reading:
         parameters = self._parameters(values)
         spring_limits = self._spring_limits(values.get("spring", {}))
         self._check_units(values, _keys_with_unit("", content))
+        self._warn_of_other_laws(parameters)
         self._read_tables(parameters)
         scenario_table = values.get("scenario")
         model = self._model(scenario_table or {})
@@ -283,6 +284,21 @@ class _Reading:
             ):
                 self.warn(f"scenario.inputs.{name}", far, text, "unit")
 
+    def _warn_of_other_laws(self, parameters: Mapping[str, Any]) -> None:
+        """Warnings for keys of another groove law than that of the cam."""
+        for cam in ("cam1", "cam2"):
+            profile = f"{cam}.profile"
+            if self._is_refused(profile):
+                continue
+            law = LAWS[parameters.get(profile, all_parameters()[profile].start)]
+            groove = f"the groove of {cam} is {'an' if law.word[0] in 'aeiou' else 'a'} {law.word}"
+            for name in PARAMETERS:
+                key = f"{cam}.{name}"
+                if key in parameters and name not in law.parameters:
+                    words = " or ".join(f'"{other.word}"' for other in laws_with(name))
+                    text = f"{key} is not used: {groove}. {key} belongs to {profile} = {words}"
+                    self.warn(key, parameters[key], text, "unused")
+
     # ---- tables ----
 
     def _read_tables(self, parameters: dict[str, Any]) -> None:
@@ -298,9 +314,6 @@ class _Reading:
                     text += f"; {other} has a table without profile = 3: are cam1 and cam2 swapped?"
                 self.refuse(f"{cam}.profile", profile, text)
             elif parameters.get(name):
-                if profile != TABLE.number:
-                    text = f"{name} is not used with {cam}.profile = {profile}: give {cam}.profile = 3"
-                    self.warn(name, parameters[name], text, "unused")
                 self._read_table(parameters, cam)
         for cam in ("cam1", "cam2"):
             if parameters.get(f"{cam}.friction_table") and not self._is_refused(f"{cam}.friction_table"):

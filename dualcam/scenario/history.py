@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import pairwise
 from typing import Any
 
@@ -17,6 +18,7 @@ from dualcam.scenario.formula import formula, is_formula
 ORDER = 3  # of the input derivatives that FMI 2.0 masters send
 STEPS_MAX = 1_000_000  # of one run: its calls are laid out in memory, which takes some hundred bytes for each
 SHAPES = ("linear", "smooth", "sine")
+AT_POINT = 1e-9  # share of a piece's length from its ends within which an extreme is that of the point there
 PIECES = 24  # cubic pieces of a sine's period: their error is 1.2e-5 of the amplitude
 
 Number = Any  # a float, or a str: a formula over the values of a run, which `at` turns into a float
@@ -34,8 +36,9 @@ class History:
     time : Times [s], not decreasing. The same time twice is a jump.
     value : Values at these times, in the FMU's unit.
     shape : {"linear", "smooth", "sine"}
-        Between the points: straight lines, or the cubic spline that starts and ends at rest. "sine" has no
-        points: mean + amplitude sin(2 pi frequency t + phase).
+        Between the points: straight lines, or the cubic spline that starts and ends at rest, which can go
+        beyond the largest and the least point. "sine" has no points:
+        mean + amplitude sin(2 pi frequency t + phase).
     derivative_of : Name of the input whose time derivative this one is.
     mean, amplitude : Of "sine", in the FMU's unit.
     frequency : Of "sine" [Hz], above 0.
@@ -167,6 +170,16 @@ class History:
             ]
         return [before, *between, after]
 
+    @cached_property
+    def extremes(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Time [s] and value where the history is least, and where it is largest. Only of one with points."""
+        time, value = np.asarray(self.time, float), np.asarray(self.value, float)
+        if self.shape == "smooth":
+            between = _turning_points(self.taylor()[1:])
+            time, value = np.append(time, between[0]), np.append(value, between[1])
+        low, high = int(np.argmin(value)), int(np.argmax(value))
+        return (float(time[low]), float(value[low])), (float(time[high]), float(value[high]))
+
     def derivative(self) -> History:
         """Of "sine": the time derivative, which is a sine, too."""
         rate = 2.0 * math.pi * self.frequency
@@ -196,6 +209,19 @@ def _cubics(time: Array, spline: Any) -> list[tuple[float, list[float]]]:  # noq
         (float(t), [math.factorial(k) * float(c[ORDER - k]) for k in range(ORDER + 1)])
         for t, c in zip(time[:-1], spline.c.T, strict=True)
     ]
+
+
+def _turning_points(pieces: Sequence[tuple[float, list[float]]]) -> tuple[Array, Array]:
+    """Times [s] and values where the slope of cubic pieces is 0, each up to the start of the next, inside."""
+    start = np.array([time for time, _ in pieces])
+    value, slope, bend, jerk = np.array([taylor for _, taylor in pieces[:-1]]).T
+    length = np.diff(start)
+    with np.errstate(all="ignore"):  # slope + bend h + jerk h^2/2 = 0, which may have no root
+        far = -(bend + np.copysign(np.sqrt(bend**2 - 2.0 * slope * jerk), bend))
+        roots = np.array([far / jerk, 2.0 * slope / far])
+        inside = (roots > AT_POINT * length) & (roots < (1.0 - AT_POINT) * length)
+        values = value + roots * (slope + roots * (bend / 2.0 + roots * jerk / 6.0))
+        return (start[:-1] + roots)[inside], values[inside]
 
 
 def names_in(numbers: Sequence[Number]) -> tuple[str, ...]:
