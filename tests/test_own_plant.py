@@ -408,10 +408,11 @@ def test_an_angle_fed_back_outside_is_seen(fmu, stiffness, limit):
     fmu.start({"inertia.shaft": J, "initial.theta": 0.6, "tau": held})
     torque = [held]
     coupling, angles = PlantCoupling(fmu, lambda shaft: torque[0]), []
-    with pytest.warns(UnstableCouplingWarning, match="outside the plant function"):
+    with pytest.warns(UnstableCouplingWarning, match="outside the plant function") as caught:
         for _ in range(1000):
             torque[0] = held + max(-limit, min(limit, stiffness * (GOAL - coupling.motion().theta)))
             angles.append(coupling.step_explicit(H).motion.theta)
+    assert [warning.filename for warning in caught] == [__file__]
     assert np.ptp(angles[-200:]) > 0.5
 
 
@@ -725,6 +726,8 @@ def test_a_plant_is_a_function(fmu, plant):
 def test_only_the_forward_fmu_takes_a_torque():
     with Fmu("inverse") as inverse, pytest.raises(CouplingError, match="allowed is the forward FMU"):
         PlantCoupling(inverse, lambda shaft: 0.0)
+    with pytest.raises(CouplingError, match="fmu = 'forward': allowed is the forward FMU, started"):
+        PlantCoupling("forward", lambda shaft: 0.0)
 
 
 @pytest.mark.parametrize(

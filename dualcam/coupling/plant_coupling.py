@@ -101,6 +101,8 @@ class PlantCoupling:
     """
 
     def __init__(self, fmu: Fmu, plant: PlantTorque) -> None:
+        if not isinstance(fmu, Fmu):
+            raise CouplingError(f'fmu = {fmu!r}: allowed is the forward FMU, started, Fmu("forward")')
         lacking = [name for name in ("tau", *STEP_SENSITIVITIES) if name not in fmu.names]
         if lacking or fmu.variable("tau").causality != "input":
             raise CouplingError(
@@ -256,7 +258,7 @@ class PlantCoupling:
         if self._foreseen is not None:
             torque = self._plant_torque(begin)
             if torque != self._foreseen:
-                self._warn(held_feedback_text(self._swings, step, self._foreseen, torque))
+                self._warn(held_feedback_text(self._swings, step, self._foreseen, torque), stacklevel=5)
         return begin
 
     def _finished(self, begin: ShaftMotion, step: CoupledStep) -> CoupledStep:
@@ -266,11 +268,11 @@ class PlantCoupling:
         self._foreseen = self._plant_torque(step.motion) if suspicious else None
         return step
 
-    def _warn(self, text: str) -> None:
+    def _warn(self, text: str, stacklevel: int = 4) -> None:
         """Once per object; nothing where the text is empty."""
         if text and not self._warned:
             self._warned = True
-            warnings.warn(text, UnstableCouplingWarning, stacklevel=4)
+            warnings.warn(text, UnstableCouplingWarning, stacklevel)
 
     def _plant_torque(self, motion: ShaftMotion) -> float:
         returned = self.plant(motion)
