@@ -141,7 +141,7 @@ class DualcamWarning(UserWarning):
 
 
 class UnstableCouplingWarning(DualcamWarning):
-    """Errors of an explicit coupling grow from step to step. The message names the numbers and what works."""
+    """Errors of a coupling grow from step to step. The message names the numbers and what works."""
 
 
 class LimitCycleWarning(DualcamWarning):

@@ -2,6 +2,7 @@
 
 import csv
 import json
+import math
 import os
 import re
 import subprocess
@@ -281,7 +282,40 @@ def test_band_is_that_of_the_fmu(design, capsys):
 def test_a_self_locking_design_is_called_so(design, capsys):
     text = design.read_text(encoding="utf-8").replace("friction = 0.14", "friction = 1.2", 1)
     design.write_text(text, encoding="utf-8")
-    assert "Self-locking from theta = 0 deg" in spoken(capsys, "band", "my.toml", "--anyway").out
+    assert (
+        "Self-locking from theta = 0 to 80 deg: there the spring"
+        in spoken(capsys, "band", "my.toml", "--anyway").out
+    )
+
+
+def test_each_locked_range_is_named(design, capsys):
+    """Cam 1 is level at both ends. Its contact locks where dz/dpsi <= mu r, cam 2 nowhere."""
+    design.write_text(
+        """\
+cam1 = {radius = 0.02, profile = "cycloid", cycloid_rise = 0.02, cycloid_angle = 1.0, friction = 0.1}
+cam2 = {radius = 0.03, profile = "helix", lead_angle = "45 deg", friction = 0.1}
+spring = {preload = "50 N", stiffness = "50 N/mm"}
+stop.upper = 1.6
+limits = {self_locking = true, lead_angle = ["0 deg", "80 deg"]}
+scenario = {stop = 0.1, inputs.tau = {time = [0, 0.1], value = [0, 1]}}
+"""
+    )
+    psi = math.acos(1 - 0.1 * 0.02 / 0.02) / (2 * math.pi)  # rad, of cam 1
+    ends = [at + 0.02 * (at - math.sin(2 * math.pi * at) / (2 * math.pi)) / 0.03 for at in (psi, 1 - psi)]
+    first, last, stop = (math.degrees(theta) for theta in (*ends, 1.6))
+    found = answer(capsys, "check", "my.toml")["numbers"]
+    assert found["self_locking"]
+    (begin, low), (high, end) = np.degrees(found["locked"])
+    assert (begin, end) == (0.0, pytest.approx(stop))
+    assert (low, high) == (pytest.approx(first, abs=0.02), pytest.approx(last, abs=0.02))
+    spoken(capsys, "report", "my.toml", "-o", "my.html")
+    for text in (
+        spoken(capsys, "band", "my.toml").out,
+        spoken(capsys, "check", "my.toml").out,
+        Path("my.html").read_text(encoding="utf-8"),
+    ):
+        ranges = re.search(r"from theta = 0 to (.*) deg and from (.*) to (.*) deg: there the spring", text)
+        assert [float(number) for number in ranges.groups()] == pytest.approx([first, last, stop], abs=0.03)
 
 
 @pytest.mark.parametrize("fmu", ["forward", "inverse"])

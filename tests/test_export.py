@@ -27,6 +27,7 @@ from dualcam.design_file import DesignFile
 from dualcam.errors import DualcamError, DualcamWarning, ExportError, FmuError
 from dualcam.export import export_fmu, model_identifier
 from dualcam.fmi.library import fmu_path
+from dualcam.fmi.model_description import read_model_description
 from dualcam.fmi.variables import inputs_of
 from dualcam.scenario.scenario import History, Scenario
 from dualcam.simulation.run import simulate
@@ -665,6 +666,15 @@ def test_no_file_without_a_scenario_for_the_model(tmp_path, model, scenario):
     with zipfile.ZipFile(path) as archive:
         assert SCENARIO not in archive.namelist()
     assert 'id="scenario"' not in texts(path, PAGE)[0]
+
+
+@each_version
+def test_the_default_experiment_ends_with_the_scenario(tmp_path, fmi):
+    """Without a scenario it ends as that of the original does."""
+    for scenario, stop in ((Scenario(4.0, DRIVEN["forward"]), 4.0), (Scenario(0.25), 0.25), (None, 1.0)):
+        path = export_fmu(Design(HELIX, scenario=scenario), tmp_path / "MyCam.fmu", fmi)
+        assert read_model_description(path).default_experiment.stop_time == stop
+        assert not validate_fmu(path)
 
 
 @each_version

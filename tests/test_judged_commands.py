@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+import dualcam
 from dualcam.cli import main
 
 STUDY = """
@@ -74,6 +75,21 @@ def test_a_design_that_check_refuses_is_refused_by_each_command(design, capsys, 
     assert said.err.splitlines()[0].startswith("dualcam: my.toml: 1 error")
     assert words in said.err and "--anyway" in said.err and said.out == ""
     assert not Path(written).exists()
+
+
+def test_the_functions_go_on_with_a_design_that_does_not_work(design):
+    """As docs/command-line.md says; `check_design` tells."""
+    changed(design, 'preload = "50 N"', "preload = -80")
+    assert not dualcam.check_design(design).good
+    assert dualcam.simulate(design)["time"][-1] == 2.0
+    for make, name in (
+        (dualcam.export_fmu, "Out.fmu"),
+        (dualcam.export_ssp, "out.ssp"),
+        (dualcam.write_report, "report.html"),
+        (dualcam.write_view, "view.html"),
+    ):
+        make(design, name)
+        assert Path(name).exists()
 
 
 def test_anyway_promises_of_a_jam_what_it_does(design, capsys):

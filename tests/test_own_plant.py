@@ -25,6 +25,7 @@ from dualcam.coupling import (
     spectral_radius,
     step_difference,
 )
+from dualcam.coupling.plant import loop_growth
 from dualcam.errors import CouplingError, DualcamError, UnstableCouplingWarning
 from dualcam.systems.blocks.motor import AK80_6
 
@@ -272,6 +273,56 @@ def test_warning_has_numbers_and_what_works(fmu):
             assert coupling.step_explicit(0.9 * allowed).motion.omega == pytest.approx(2.0, abs=0.2)
 
 
+def caught_in_steps(fmu, plant, implicit, count=100):
+    """The warnings of that many steps, from theta = 0.4 rad and omega = 1 rad/s on."""
+    fmu.start({"inertia.shaft": 0.02, "initial.theta": 0.4, "initial.omega": 1.0})
+    coupling = PlantCoupling(fmu, plant)
+    step = coupling.step_implicit if implicit else coupling.step_explicit
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        for _ in range(count):
+            step(H)
+    return caught
+
+
+@pytest.mark.parametrize("implicit", [False, True])
+@pytest.mark.parametrize(
+    "plant",
+    [
+        lambda shaft: 6.0 - 30.0 * (0.4 - shaft.theta) - 0.1 * shaft.omega,
+        lambda shaft: 6.0 + 30.0 * (0.4 - shaft.theta) + 0.5 * shaft.omega,
+    ],
+)
+def test_a_controller_of_the_wrong_sign_is_said_to_be_so(fmu, plant, implicit):
+    """No way of coupling is recommended. The warning comes once, and points to this file."""
+    (warning,) = caught_in_steps(fmu, plant, implicit)
+    text = str(warning.message)
+    assert warning.category is UnstableCouplingWarning and warning.filename == __file__
+    assert "is itself unstable" in text and "Is the sign of the controller right?" in text
+    assert "step_implicit" not in text and "steps up to" not in text
+
+
+@pytest.mark.parametrize("stiffness", [-4.0, 30.0])
+def test_the_spring_of_the_cam_may_outweigh_the_plant(fmu, stiffness):
+    """Equal helices of 45 deg on 50 N/mm have 5 N.m/rad without friction, more while loading."""
+    plant = lambda shaft: 6.0 + stiffness * (0.4 - shaft.theta) - 0.1 * shaft.omega  # noqa: E731
+    assert not caught_in_steps(fmu, plant, implicit=True)
+
+
+def test_the_growth_of_an_unstable_loop(fmu):
+    """(J + M) s^2 + (B + D) s + k + K = 0 with k = 5 N.m/rad of the cam without friction."""
+    frictionless = {"cam1.friction": 0.0, "cam2.friction": 0.0}
+    fmu.start({**frictionless, "inertia.shaft": 0.02, "initial.theta": 0.4, "initial.omega": 1.0})
+    stability = PlantCoupling(fmu, lambda shaft: 25.0 * shaft.theta).step_explicit(1e-5).stability
+    assert stability.cam_stiffness == pytest.approx(5.0, rel=1e-6)
+    cam = Impedance(5.0, 0.01, 0.02)
+    rate = (-0.01 + math.sqrt(0.01**2 + 4.0 * 0.02 * 20.0)) / 0.04
+    assert loop_growth(H, cam, Impedance(-25.0)) == pytest.approx(math.exp(rate * H), rel=1e-12)
+    assert loop_growth(H, cam, Impedance(-4.0, 5.0)) == 1.0
+    assert loop_growth(H, Impedance(-5.0, 0.0, J), Impedance()) == 1.0  # a plant that has no part in it
+    assert loop_growth(H, cam, Impedance(inertia=-0.03)) == math.inf
+
+
 @pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize("start", [{"initial.theta": 0.4}, {}, {"initial.theta": 1.3963}])
 def test_no_warning_at_rest(fmu, start):
@@ -356,10 +407,11 @@ def test_an_angle_fed_back_outside_is_seen(fmu, stiffness, limit):
     fmu.start({"inertia.shaft": J, "initial.theta": 0.6, "tau": held})
     torque = [held]
     coupling, angles = PlantCoupling(fmu, lambda shaft: torque[0]), []
-    with pytest.warns(UnstableCouplingWarning, match="outside the plant function"):
+    with pytest.warns(UnstableCouplingWarning, match="outside the plant function") as caught:
         for _ in range(1000):
             torque[0] = held + max(-limit, min(limit, stiffness * (GOAL - coupling.motion().theta)))
             angles.append(coupling.step_explicit(H).motion.theta)
+    assert [warning.filename for warning in caught] == [__file__]
     assert np.ptp(angles[-200:]) > 0.5
 
 
@@ -662,9 +714,17 @@ def test_a_plant_that_fails_in_a_trial_leaves_the_fmu_as_it_was(fmu):
     assert coupling.motion() == before
 
 
+@pytest.mark.parametrize("plant", [5.0, None])
+def test_a_plant_is_a_function(fmu, plant):
+    with pytest.raises(CouplingError, match=f"plant = {plant}: allowed is a function that gets the motion"):
+        PlantCoupling(fmu, plant)
+
+
 def test_only_the_forward_fmu_takes_a_torque():
     with Fmu("inverse") as inverse, pytest.raises(CouplingError, match="allowed is the forward FMU"):
         PlantCoupling(inverse, lambda shaft: 0.0)
+    with pytest.raises(CouplingError, match="fmu = 'forward': allowed is the forward FMU, started"):
+        PlantCoupling("forward", lambda shaft: 0.0)
 
 
 @pytest.mark.parametrize(

@@ -172,10 +172,26 @@ def test_a_package_replaces_no_other_file_and_makes_no_folder(tmp_path, name, wo
     assert all(path.read_bytes() == INVERSE.read_bytes() for path in tmp_path.iterdir())
 
 
-@pytest.mark.parametrize("call", [lambda: SYSTEM.save(None), lambda: Component("cam", 5, {})])
-def test_what_is_no_path(call):
-    with pytest.raises(DualcamError, match="allowed is the path of a file"):
+@pytest.mark.parametrize(
+    "call, words",
+    [
+        (lambda: SYSTEM.save(None), "allowed is the path of a file"),
+        (lambda: Component("cam", 5, {}), "allowed are 'forward', 'inverse', or the path of an FMU"),
+    ],
+)
+def test_what_is_no_path(call, words):
+    with pytest.raises(DualcamError, match=words):
         call()
+
+
+@pytest.mark.parametrize("name", ["forward", "inverse"])
+def test_a_component_is_an_fmu_of_the_package_by_its_name(tmp_path, name):
+    named, given = Component("cam", name, {}), Component("cam", fmu_path(name), {})
+    files = [
+        replace(SYSTEM, components=(component,)).save(tmp_path / f"{k}.ssp").read_bytes()
+        for k, component in enumerate((named, given))
+    ]
+    assert files[0] == files[1]
 
 
 def test_a_cam_that_locks_itself_is_packed_without_a_word(tmp_path):

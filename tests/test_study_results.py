@@ -3,12 +3,14 @@
 import csv
 import json
 import math
+import re
 import subprocess
 import sys
 from itertools import pairwise
 
 import numpy as np
 import pytest
+from pages import TEXTS
 from study_cases import DESIGN, FORWARD, PUSH, refused, study
 
 from dualcam import Fmu
@@ -130,6 +132,16 @@ def test_all_slips_in_results_are_told_at_once():
 def test_what_a_formula_reads_must_be_a_variable(tmp_path):
     with pytest.raises(ValueError, match="thetta"):
         study(results=["x = 2 * thetta"]).run(tmp_path, workers=0)
+
+
+def test_all_texts_of_the_page_are_results(tmp_path):
+    """docs/use-study-results.md has the one list of kinds."""
+    table = TEXTS["docs/use-study-results.md"].partition("| text | result |")[2].partition("\n\n")[0]
+    texts = [text for row in table.splitlines()[2:] for text in re.findall(r'`"([^"]+)"`', row.split("|")[1])]
+    assert len(texts) >= 11 and "theta@end" in texts
+    found = study(scenario=Scenario(0.25, {"tau": History([0.0, 0.25], [2.0, 9.0])}), results=texts)
+    columns = found.run(tmp_path, workers=0)
+    assert all(np.isfinite(columns[text.split(" = ")[0]]).all() for text in texts)
 
 
 def test_samples_need_runs_of_one_length():

@@ -178,7 +178,9 @@ def test_summary_says_what_friction_does():
     locked = flat.torque_band()
     first = locked.theta[np.argmax(locked.release <= 0.0)]
     assert 0.0 < first < UPPER
-    assert f"self-locking between theta = {first:.4g} and 1.2 rad" in flat.summary()
+    ((begin, end),) = locked.locked
+    assert 0.0 <= first - begin <= locked.theta[1] and end == UPPER
+    assert f"self-locking from theta = {round(begin, 4):g} to 1.2 rad" in flat.summary()
     assert (locked.efficiency[locked.theta >= first] <= 0.0).all()
 
 

@@ -13,7 +13,7 @@ from dualcam.checking.remedies import RemedySearch
 from dualcam.checking.rules import swap_warning, troubles
 from dualcam.common.unit_guards import units_checked_before
 from dualcam.design import Limits, Pin, torque_band
-from dualcam.design.band import NOT_LOCKING, span
+from dualcam.design.band import locking_words, span
 from dualcam.design.mechanism import POINTS, Mechanism
 from dualcam.design.strength import strength
 from dualcam.design_file import DesignFile, DesignSource, Finding, as_design
@@ -234,6 +234,7 @@ class KeyNumbers:
     release: tuple[float, float]  # likewise torque given back [N.m]
     efficiency: tuple[float, float]  # likewise release over load at the same angle [1]
     self_locking: bool  # the spring cannot turn cam 2 back at some angle
+    locked: tuple[tuple[float, float], ...]  # ranges of theta in which the spring cannot do so [rad]
     friction_class: int  # the FMU's: 1 unique, 2 self-locking
     stroke: float  # way of the follower from stop to stop [m]
     pressure: LargestPressure | None  # None without a pin
@@ -247,13 +248,11 @@ class KeyNumbers:
 
     def lines(self) -> list[str]:
         """One line for each number, with its unit."""
-        turns = f"no, {NOT_LOCKING}"
-        locking = "yes, the spring cannot turn cam 2 back everywhere" if self.self_locking else turns
         return [
             f"torque to load: {span(np.array(self.load))} N.m",
             f"torque given back: {span(np.array(self.release))} N.m",
             f"efficiency: {span(100.0 * np.array(self.efficiency))} %",
-            f"self-locking: {locking}",
+            f"self-locking: {locking_words(self.locked)}",
             f"friction: {self.friction_words()}",
             f"stroke of the follower: {1e3 * self.stroke:.4g} mm",
             f"contact pressure: {self._pressure_in_words()}",
@@ -308,6 +307,7 @@ def key_numbers(design: DesignFile, friction_class: int) -> KeyNumbers:
         release=_ends(band.release),
         efficiency=_ends(band.efficiency),
         self_locking=band.self_locking,
+        locked=band.locked,
         friction_class=friction_class,
         stroke=float(band.z[-1] - band.z[0]),
         pressure=None if design.pin is None else _largest_pressure(design, mechanism, design.pin),

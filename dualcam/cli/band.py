@@ -111,13 +111,12 @@ def _rows(band: TorqueBand) -> np.ndarray:
 
 
 def _summary(band: TorqueBand) -> str:
-    from dualcam.design.band import NOT_LOCKING
+    from dualcam.design.band import LOCKING, NOT_LOCKING, range_words
     from dualcam.report.summary import span_words
 
     if not np.isfinite(band.load).all():
         angle = np.degrees(band.theta[~np.isfinite(band.load)][0])
         return f"Jam: at theta = {angle:.4g} deg no torque can load the mechanism."
     if band.self_locking:
-        angle = np.degrees(band.theta[band.efficiency <= 0.0][0])
-        return f"Self-locking from theta = {angle:.4g} deg: the spring cannot turn the cam back."
+        return f"Self-locking {range_words(band.locked, 'deg')}: {LOCKING}."
     return f"Not self-locking: {NOT_LOCKING}. Efficiency {span_words(100.0 * band.efficiency, '%')}."

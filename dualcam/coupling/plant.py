@@ -270,6 +270,45 @@ def largest_stable_step(
     return float(low)
 
 
+def loop_growth(step: float, cam: Impedance, plant: Impedance) -> float:
+    """Factor by which an error grows per step [1] in the loop of cam and plant itself, solved exactly.
+
+    The loop is (J + M) alpha + (B + D) omega + (k + K) theta = 0, the cam with stiffness k. It is 1 where the
+    plant has no part in the instability: where each impedance of the plant is >= 0, or that of the cam more.
+    """
+    sums = [own + other for own, other in zip(cam, plant, strict=True)]
+    if not any(own < 0.0 and total < 0.0 for own, total in zip(plant, sums, strict=True)):
+        return 1.0
+    stiffness, damping, inertia = sums
+    if inertia <= 0.0:
+        return math.inf
+    rate = float(np.roots([inertia, damping, stiffness]).real.max())
+    return math.exp(min(step * rate, 700.0))
+
+
+def unstable_loop_text(step: float, cam: Impedance, plant: Impedance) -> str:
+    """The warning about a loop that is unstable whatever the step [s] is; "" where none is due."""
+    growth = loop_growth(step, cam, plant)
+    if growth <= LARGEST_RADIUS:
+        return ""
+    return (
+        "the loop of plant and cam is itself unstable, no step makes it stable: errors change"
+        f" {growth:.4g} times per {step:g} s. {impedance_words(cam, plant)} Is the sign of the controller"
+        " right? Its torque must fall as theta and omega rise. Where the machine itself is unstable, such as"
+        " with a load beyond its top, the motion is that of the machine."
+    )
+
+
+def impedance_words(cam: Impedance, plant: Impedance) -> str:
+    """The impedances of both sides of the loop."""
+    return (
+        f"The plant has stiffness {plant.stiffness:.4g} N.m/rad, damping {plant.damping:.4g} N.m.s/rad,"
+        f" inertia {plant.inertia:.4g} kg.m2. As the step tells, the cam has stiffness {cam.stiffness:.4g}"
+        f" N.m/rad, inertia {cam.inertia:.4g} kg.m2 and, with its spring, viscous damping {cam.damping:.4g}"
+        " N.m.s/rad."
+    )
+
+
 @dataclass(frozen=True)
 class LoopStability:
     """Whether explicit coupling is stable, from the latest step.
@@ -277,7 +316,8 @@ class LoopStability:
     Attributes
     ----------
     step : Communication step [s].
-    inertia, cam_damping : Inertia [kg.m2] and viscous damping [N.m.s/rad] of the cam as the shaft feels them.
+    inertia, cam_damping, cam_stiffness
+        Inertia [kg.m2], viscous damping [N.m.s/rad], stiffness [N.m/rad] of the cam as the shaft feels them.
     plant : Of the plant, at the beginning of the step.
     order : Order of the torque's polynomial.
     spectral_radius : Factor by which errors grow per step [1].
@@ -289,6 +329,7 @@ class LoopStability:
     order: int
     spectral_radius: float
     cam_damping: float = 0.0
+    cam_stiffness: float = 0.0
 
     @property
     def stable(self) -> bool:
@@ -296,16 +337,16 @@ class LoopStability:
         return self.spectral_radius <= LARGEST_RADIUS
 
     def __str__(self) -> str:
+        cam = Impedance(self.cam_stiffness, self.cam_damping, self.inertia)
         verdict = "stable" if self.stable else "unstable"
         text = (
             f"explicit coupling with a step of {self.step:g} s is {verdict}: errors change"
-            f" {self.spectral_radius:.4g} times per step, allowed is 1. The plant has stiffness"
-            f" {self.plant.stiffness:.4g} N.m/rad, damping {self.plant.damping:.4g} N.m.s/rad, inertia"
-            f" {self.plant.inertia:.4g} kg.m2. As the step tells, the cam has inertia {self.inertia:.4g}"
-            f" kg.m2 and, with its spring, viscous damping {self.cam_damping:.4g} N.m.s/rad."
+            f" {self.spectral_radius:.4g} times per step, allowed is 1. {impedance_words(cam, self.plant)}"
         )
         if self.stable:
             return text
+        if itself := unstable_loop_text(self.step, cam, self.plant):
+            return itself
         without_inertia = self.cam_damping * self.step >= 0.99 * LARGEST_DAMPING * self.inertia
         allowed = largest_stable_step(self.inertia, self.plant, self.order, self.cam_damping)
         allowed = 0.0 if without_inertia else allowed  # then the step does not matter

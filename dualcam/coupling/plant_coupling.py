@@ -29,6 +29,7 @@ from dualcam.common.moved import also_called
 from dualcam.coupling.held_feedback import TorqueSwings, held_feedback_text
 from dualcam.coupling.plant import (
     DIFFERENCE,
+    Impedance,
     LoopStability,
     PlantTorque,
     ShaftMotion,
@@ -38,11 +39,13 @@ from dualcam.coupling.plant import (
     impedance_of,
     spectral_radius,
     torque_polynomial,
+    unstable_loop_text,
 )
 from dualcam.errors import CouplingError, UnstableCouplingWarning
 from dualcam.fmi.fmu import Fmu
 
-STEP_SENSITIVITIES = ("step.dtheta_dtau", "step.domega_dtau")
+STEP_SENSITIVITIES = ("step.dtheta_dtau", "step.domega_dtau", "step.domega_dtheta")
+CHECKED = 16  # implicit steps, of which one is checked for an unstable loop, at the cost of half a step
 ITERATIONS = 100  # most trial steps of one implicit step; bisection alone needs about 60
 TOLERANCE = 1e-9  # N.m, and relative, of the torque of an implicit step
 
@@ -83,7 +86,8 @@ class PlantCoupling:
 
     Raises
     ------
-    CouplingError : `fmu` is not the forward FMU, whose input is the torque.
+    CouplingError
+        `fmu` is not the forward FMU, whose input is the torque, or `plant` is no function.
 
     Examples
     --------
@@ -97,11 +101,18 @@ class PlantCoupling:
     """
 
     def __init__(self, fmu: Fmu, plant: PlantTorque) -> None:
+        if not isinstance(fmu, Fmu):
+            raise CouplingError(f'fmu = {fmu!r}: allowed is the forward FMU, started, Fmu("forward")')
         lacking = [name for name in ("tau", *STEP_SENSITIVITIES) if name not in fmu.names]
         if lacking or fmu.variable("tau").causality != "input":
             raise CouplingError(
                 f"{fmu.path} is no plant with input tau and step.domega_dtau: allowed is the forward FMU,"
                 ' Fmu("forward")'
+            )
+        if not callable(plant):
+            raise CouplingError(
+                f"plant = {plant!r}: allowed is a function that gets the motion of the shaft, a ShaftMotion,"
+                " and returns the plant's torque [N.m], such as lambda shaft: 6.0 - 0.5 * shaft.omega"
             )
         self.fmu = fmu
         self.plant = plant
@@ -110,6 +121,7 @@ class PlantCoupling:
         self._speed = fmu.reals("omega")
         self._sensitivity = fmu.reals(*STEP_SENSITIVITIES)
         self._warned = False
+        self._unchecked = 0  # steps until the next check of the loop
         self._checked = False
         self._swings = TorqueSwings(math.inf)
         self._foreseen: float | None = None  # N.m, of the plant at the motion at the end of the last step
@@ -131,9 +143,9 @@ class PlantCoupling:
         Warns
         -----
         UnstableCouplingWarning
-            Once per object, where the loop is unstable with this step, or where feedback that is computed
-            outside the plant makes the torque go up and down without decay. The text has the numbers, and
-            what works.
+            Once per object, where the loop is unstable with this step, or with any step, or where feedback
+            that is computed outside the plant makes the torque go up and down without decay. The text has the
+            numbers, and what works.
         """
         step = check_positive("step", step, "s")
         check_order(order)
@@ -169,8 +181,9 @@ class PlantCoupling:
         Warns
         -----
         UnstableCouplingWarning
-            Once per object, where feedback that is computed outside the plant makes the torque go up and down
-            without decay.
+            Once per object, where the loop is unstable with any step, as with a controller of the wrong
+            sign, or where feedback that is computed outside the plant makes the torque go up and down without
+            decay.
 
         Raises
         ------
@@ -194,6 +207,7 @@ class PlantCoupling:
                 bracket.add(torque, residual)
                 allowed = TOLERANCE * max(1.0, abs(torque))
                 if abs(residual) <= allowed or bracket.width <= 1e-4 * allowed:
+                    self._warn(self._loop_text(begin, step))
                     return self._finished(begin, CoupledStep(torque, end, trial))
                 torque = bracket.next_trial(torque, residual, slope)
         except BaseException:  # also what the plant itself raises
@@ -210,7 +224,7 @@ class PlantCoupling:
         self, torque: float, begin: ShaftMotion, end: ShaftMotion, step: float, weight: float
     ) -> tuple[float, float]:
         """The torque less the plant's at the motion of this trial [N.m], and its derivative by the torque."""
-        dtheta, domega = self._sensitivity.read()
+        dtheta, domega, _ = self._sensitivity.read()
         motion = ShaftMotion(
             begin.time + weight * step,
             begin.theta + weight * (end.theta - begin.theta),
@@ -244,7 +258,7 @@ class PlantCoupling:
         if self._foreseen is not None:
             torque = self._plant_torque(begin)
             if torque != self._foreseen:
-                self._warn(held_feedback_text(self._swings, step, self._foreseen, torque))
+                self._warn(held_feedback_text(self._swings, step, self._foreseen, torque), stacklevel=5)
         return begin
 
     def _finished(self, begin: ShaftMotion, step: CoupledStep) -> CoupledStep:
@@ -254,11 +268,11 @@ class PlantCoupling:
         self._foreseen = self._plant_torque(step.motion) if suspicious else None
         return step
 
-    def _warn(self, text: str) -> None:
-        """Once per object."""
-        if not self._warned:
+    def _warn(self, text: str, stacklevel: int = 4) -> None:
+        """Once per object; nothing where the text is empty."""
+        if text and not self._warned:
             self._warned = True
-            warnings.warn(text, UnstableCouplingWarning, stacklevel=4)
+            warnings.warn(text, UnstableCouplingWarning, stacklevel)
 
     def _plant_torque(self, motion: ShaftMotion) -> float:
         returned = self.plant(motion)
@@ -282,13 +296,29 @@ class PlantCoupling:
 
     def _stability(self, begin: ShaftMotion, step: float, order: int) -> LoopStability | None:
         """Of the latest step. None where the cam did not slide throughout."""
-        cam = cam_of_step(step, *self._sensitivity.read())
+        cam = self._cam(step)
         if cam is None:
             return None
-        inertia, damping = cam
         plant = impedance_of(self._plant_torque, begin)
-        radius = spectral_radius(step, inertia, plant, order, damping)
-        return LoopStability(step, inertia, plant, order, radius, damping)
+        radius = spectral_radius(step, cam.inertia, plant, order, cam.damping)
+        return LoopStability(step, cam.inertia, plant, order, radius, cam.damping, cam.stiffness)
+
+    def _cam(self, step: float) -> Impedance | None:
+        """The cam in the latest step. None where the cam did not slide throughout."""
+        dtheta_dtau, domega_dtau, domega_dtheta = self._sensitivity.read()
+        found = cam_of_step(step, dtheta_dtau, domega_dtau)
+        if found is None:
+            return None
+        inertia, damping = found
+        return Impedance(-domega_dtheta / domega_dtau, damping, inertia)
+
+    def _loop_text(self, begin: ShaftMotion, step: float) -> str:
+        """A warning if the loop is unstable with any step: of the first step in slip and of some after it."""
+        self._unchecked -= 1
+        if self._unchecked > 0 or self._warned or (cam := self._cam(step)) is None:
+            return ""
+        self._unchecked = CHECKED
+        return unstable_loop_text(step, cam, impedance_of(self._plant_torque, begin))
 
 
 def step_difference(run: Callable[[float], ArrayLike], step: float) -> float:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +13,7 @@ from dualcam.design.statics import Array
 from dualcam.errors import DesignError
 
 NOT_LOCKING = "without torque the spring turns the cam back, a torque inside the band holds it"
+LOCKING = "there the spring cannot turn the cam back"
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,6 +47,26 @@ class TorqueBand:
         return bool((self.efficiency <= 0.0).any())
 
     @property
+    def locked(self) -> tuple[tuple[float, float], ...]:
+        """Ranges of theta [rad] in which the spring cannot drive the cam back, in order.
+
+        A border between two samples is where the efficiency is 0 on the straight line through both.
+        """
+        is_locked = np.concatenate([[False], self.efficiency <= 0.0, [False]]).astype(int)
+        change = np.diff(is_locked)
+        firsts, lasts = np.flatnonzero(change == 1), np.flatnonzero(change == -1) - 1
+        pairs = zip(firsts.tolist(), lasts.tolist(), strict=True)
+        return tuple((self._border(first, first - 1), self._border(last, last + 1)) for first, last in pairs)
+
+    def _border(self, inner: int, outer: int) -> float:
+        """The angle [rad] of efficiency 0 between both samples; that of the inner one where none is known."""
+        is_sample = 0 <= outer < len(self.theta)
+        if not is_sample or not np.isfinite(self.efficiency[[inner, outer]]).all():
+            return float(self.theta[inner])
+        (begin, end), (low, high) = self.theta[[inner, outer]], self.efficiency[[inner, outer]]
+        return float(begin + (end - begin) * low / (low - high))
+
+    @property
     def jams(self) -> bool:
         """Whether no torque loads the mechanism at some angle. The FMU refuses such a mechanism."""
         return bool(np.isinf(self.load).any())
@@ -55,11 +78,7 @@ class TorqueBand:
             f"efficiency (releasing over loading) {span(self.efficiency)}",
         ]
         if self.self_locking:
-            locked = self.theta[self.efficiency <= 0.0]
-            lines.append(
-                f"self-locking between theta = {locked[0]:.4g} and {locked[-1]:.4g} rad: the spring does not"
-                " drive the cam back there"
-            )
+            lines.append(f"self-locking {range_words(self.locked, 'rad')}: {LOCKING}")
         else:
             lines.append(f"not self-locking: {NOT_LOCKING}")
         if self.jams:
@@ -75,6 +94,22 @@ def span(values: Array) -> str:
         return "unknown"
     low, high = (f"{float(end):.4g}" for end in (known.min(), known.max()))
     return low if low == high else f"{low} to {high}"
+
+
+def range_words(ranges: Sequence[tuple[float, float]], unit: str) -> str:
+    """Ranges of theta [rad] in `unit`, to 0.01 deg or 0.0001 rad: "from theta = 0 to 4.31 deg and ..."."""
+    found: list[str] = []
+    for ends in ranges:
+        rounded = (round(math.degrees(end), 2) if unit == "deg" else round(end, 4) for end in ends)
+        low, high = (f"{end:g}" for end in rounded)
+        name = "" if found else "theta = "
+        found.append(f"at {name}{low} {unit}" if low == high else f"from {name}{low} to {high} {unit}")
+    return " and ".join(found)
+
+
+def locking_words(locked: Sequence[tuple[float, float]]) -> str:
+    """Whether and where the mechanism locks itself; `locked`: ranges of theta [rad]."""
+    return f"yes, {range_words(locked, 'deg')}: {LOCKING}" if locked else f"no, {NOT_LOCKING}"
 
 
 def torque_band(mechanism: Mechanism, points: int = 181) -> TorqueBand:

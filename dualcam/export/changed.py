@@ -40,6 +40,7 @@ class Change(NamedTuple):
     root: Mapping[str, str]  # attributes of the XML's root
     start: Mapping[str, Scalar]  # tables by their names in the FMU's resources
     tables: Mapping[str, bytes]  # file name in the FMU's resources -> content
+    stop: float | None = None  # end of the default experiment [s]; None: as before
 
 
 def is_own(members: Members) -> bool:
@@ -60,10 +61,14 @@ def changed_members(before: Members, change: Change) -> dict[str, bytes]:
     """All members but those that a run from the new start values would give."""
     description = Description(before[XML])
     token = TOKEN[description.fmi]
-    blank = description.edited({**change.root, token: ""}, change.identifier, change.start)
-    guid = _guid(blank, change.tables)
+
+    def edited(guid: str) -> bytes:
+        root = {**change.root, token: guid}
+        return description.edited(root, change.identifier, change.start, change.stop)
+
+    guid = _guid(edited(""), change.tables)
     members = {name: content for name, content in before.items() if not name.startswith(OF_START_VALUES)}
-    members[XML] = description.edited({**change.root, token: guid}, change.identifier, change.start)
+    members[XML] = edited(guid)
     members |= _binaries(change, before, description, guid)
     renamed = {description.identifier: change.identifier, description.token: guid}
     members |= exported_sources(before, renamed, change.start)

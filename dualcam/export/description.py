@@ -77,10 +77,20 @@ class Description:
                 found[unit] = tag.attributes["name"], float(tag.attributes["factor"])
         return found
 
-    def edited(self, root: Mapping[str, str], identifier: str, start: Mapping[str, Scalar]) -> bytes:
-        """The document with other attributes of the root, C identifier and start values."""
+    def edited(
+        self,
+        root: Mapping[str, str],
+        identifier: str,
+        start: Mapping[str, Scalar],
+        stop: float | None = None,
+    ) -> bytes:
+        """The document with other attributes of the root, C identifier, start values and, unless None, stop
+        time [s] of the default experiment.
+        """
         edits = [(self.root, dict(root))]
         for tag in self.tags:
+            if tag.name == "DefaultExperiment" and stop is not None:
+                edits.append((tag, {"stopTime": number_text(float(stop))}))
             if tag.name in ("CoSimulation", "ModelExchange"):
                 edits.append((tag, {"modelIdentifier": identifier}))
         for name, value in start.items():

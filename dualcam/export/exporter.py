@@ -69,6 +69,7 @@ class ExportPlan:
     start: dict[str, Scalar]  # tables by their names in the FMU's resources
     tables: dict[str, bytes]  # file name in the FMU's resources -> content
     scenario: Scenario | None  # where it drives this model
+    stop: float | None  # end of the design's scenario [s]
 
 
 def export_fmu(
@@ -78,8 +79,9 @@ def export_fmu(
 
     In the binaries, for all platforms of the project's FMU, only the block with GUID and start values
     differs: with the same parameters both FMUs compute the same bits. Tables become `cam1.csv` and `cam2.csv`
-    in the FMU's resources, the inputs of a scenario that drives this model `extra/scenario_in.csv`. The same
-    design and name give the same GUID and bytes; the figures depend on the version of Matplotlib.
+    in the FMU's resources, the inputs of a scenario that drives this model `extra/scenario_in.csv`. The
+    scenario's end is the stop time of the default experiment. The same design and name give the same GUID and
+    bytes; the figures depend on the version of Matplotlib.
 
     Parameters
     ----------
@@ -179,7 +181,8 @@ def _plan(design: ExportableDesign, name: str, model: str, parameters: Mapping[s
             tables[str(start[key])] = _table(key, str(value))
     called = f'{design.name}, "{design.title}"' if design.title else design.name
     scenario = scenario_for(design.scenario, model)
-    return ExportPlan(called, name, model_identifier(name), model, start, tables, scenario)
+    stop = None if design.scenario is None else design.scenario.stop
+    return ExportPlan(called, name, model_identifier(name), model, start, tables, scenario, stop)
 
 
 def table_file(name: str) -> str:
@@ -232,7 +235,7 @@ def _core_members(plan: ExportPlan, before: Mapping[str, bytes]) -> tuple[dict[s
         "description": sentence,
         "generationTool": f"dualcam export {description.root.attributes['version']}",
     }
-    members = changed_members(before, Change(plan.identifier, root, plan.start, plan.tables))
+    members = changed_members(before, Change(plan.identifier, root, plan.start, plan.tables, plan.stop))
     members |= exported_related_files(before, description.identifier, plan.identifier)
     return members, names
 

@@ -13,7 +13,7 @@ from dualcam.checking import Verdict, check_design
 from dualcam.common.html_page import figure_element, page, table
 from dualcam.common.paths import page_path_of, write_text
 from dualcam.design import Mechanism, TorqueBand, torque_band
-from dualcam.design.band import NOT_LOCKING, span
+from dualcam.design.band import locking_words, span
 from dualcam.design_file import DesignFile, DesignSource, as_design
 from dualcam.errors import DualcamError
 from dualcam.plots.design import plot_band, plot_simulation, plot_strength
@@ -116,12 +116,11 @@ def _curves(design: DesignFile, verdict: Verdict) -> list[str]:
 
 
 def _band(design: DesignFile, band: TorqueBand, verdict: Verdict) -> str:
-    locking = "yes: the spring cannot turn the cam back" if band.self_locking else f"no: {NOT_LOCKING}"
     rows = [
         ("torque to load", "infinite: the mechanism jams" if band.jams else f"{span(band.load)} N.m"),
         ("torque given back", f"{span(band.release)} N.m"),
         ("efficiency: given back over loaded", span_words(100.0 * band.efficiency, "%")),
-        ("self-locking", locking),
+        ("self-locking", locking_words(band.locked)),
         ("range of theta", f"{np.degrees(band.theta[0]):.4g} to {np.degrees(band.theta[-1]):.4g} deg"),
         ("stroke of the follower", f"{1e3 * (band.z[-1] - band.z[0]):.4g} mm"),
     ]

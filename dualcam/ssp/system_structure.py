@@ -16,12 +16,12 @@ from types import UnionType
 from dualcam.checking import check_design
 from dualcam.checking.rules import EQUAL_RADII
 from dualcam.common.archive import archive_bytes, read_members
-from dualcam.common.paths import path_of
 from dualcam.common.unit_guards import unit_warning
 from dualcam.design import Limits
 from dualcam.design_file import DesignFile, Finding
 from dualcam.errors import DesignError, DualcamError, DualcamWarning
 from dualcam.export.changed import RESOURCES
+from dualcam.fmi.library import source_path
 from dualcam.fmi.model_description import ModelDescription, Scalar, Variable, read_model_description
 from dualcam.fmi.variables import all_parameters
 
@@ -41,7 +41,7 @@ class Component:
     name
         Letters, digits, _ and -.
     fmu
-        The FMU, FMI 2.0.
+        Path of the FMU, FMI 2.0; "forward" or "inverse" is this package's own.
     values
         Parameter -> start value, in the FMU's unit. An FMU of this project starts from these values in every
         master: the package holds a copy with them. Those of another FMU are a parameter set of the package
@@ -53,7 +53,7 @@ class Component:
     values: Mapping[str, Value]
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "fmu", path_of(self.fmu, "the FMU"))
+        object.__setattr__(self, "fmu", source_path(self.fmu))
 
     @cached_property
     def members(self) -> Mapping[str, bytes] | None:

@@ -53,7 +53,8 @@ class Study:
     scenario : Scenario
         What is done in each run.
     results : sequence of str
-        Variables at the end of the scenario, or at a time [s] as `name@time`.
+        What is read in each run, such as "theta", at the end, "theta@0.2", at 0.2 s, or
+        "top = max(theta, every=0.01)". docs/use-study-results.md, "What can be read", lists all kinds.
     parameters : mapping of str to float, int, bool or str
         Start values that are the same in every run.
     plots : sequence of mapping

@@ -1,14 +1,6 @@
 """What comes out of a run: values at an instant, series, extremes, integrals, and formulas over them.
 
-    theta, theta@end                at the end of the run
-    theta@0.2                       at 0.2 s
-    series(theta, every=0.01)       at 0, 0.01, 0.02 s, ... and at the end
-    series(theta, at=[0.1, 0.2])    at these times
-    max(theta, every=0.001)         greatest of these samples; likewise min, mean
-    integral(tau, every=0.001)      over time, by the trapezoidal rule on these samples
-    swing = max(theta, every=0.01)  the same with a name for the column
-    loss = 1 - energy.spring@0.2 / energy.work_in     a formula
-
+docs/use-study-results.md, "What can be read", lists the texts of which results are made.
 The FMU is asked for plain values at instants alone, `Readings.raw`; all else is computed of those."""
 
 from __future__ import annotations
