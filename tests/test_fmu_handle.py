@@ -670,7 +670,7 @@ def test_help_works_without_the_packages_of_some_rooms():
         "True",
         "False",
         "False",
-        *'dualcam.gym needs gymnasium: pip install "dualcam[gym]"'.split(),
+        *["dualcam.gym", "needs", "gymnasium:", "pip", "install", '"dualcam[gym]"'],
     ]
 
 
