@@ -255,7 +255,8 @@ def test_an_unknown_name_is_told_what_exists(fmu, name, mentions):
         ("contacts", 7, ("contacts", "7", "allowed is")),
         ("ledger", "false", ("ledger", "True and False")),
         ("cam1.table", 3, ("cam1.table", "text")),
-        ("theta", 1.0, ("theta", "calculated")),
+        ("theta", 1.0, ("theta", "calculated", "initial.theta sets the start")),
+        ("omega", 1.0, ("omega", "calculated", "initial.omega sets the start")),
         ("tau", math.nan, ("tau", "nan")),
     ],
 )
