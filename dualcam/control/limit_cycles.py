@@ -170,13 +170,12 @@ class _Checks:
         )
 
     def _drift(self, settled: LoopMotion) -> str:
-        """How far a cam without a settled motion still moved, or its torque."""
+        """How far an unsettled cam still moved. Where it stands, an integral of the error is not settled."""
         if settled.kind != "undecided":
             return ""
-        late = f"in the last {LATE * self.duration:.3g} s"
-        if settled.amplitude > 0.0:
-            return f", {2.0 * settled.amplitude:.2g} rad {late}"
-        return f", where the torque changed by {2.0 * settled.torque:.2g} N.m {late}"
+        if settled.amplitude == 0.0:
+            return ", where it sticks while the torque goes on to change"
+        return f", moved by {2.0 * settled.amplitude:.2g} rad in the last {LATE * self.duration:.3g} s"
 
     def _longer(self, effect: str) -> str:
         """The advice of a longer duration, as far as one is allowed."""

@@ -145,8 +145,8 @@ class DifferentiableFleet(ProcessBound):
         self.inputs = tuple(names_of(inputs, "inputs"))
         if isinstance(parameters, Mapping):
             raise FmuError(
-                f"parameters = {parameters!r}: allowed is a list of names, of what a run is differentiated by;"
-                " p of rollout has their values, and values={...} sets those of other parameters"
+                f"parameters = {parameters!r}: allowed is a list of names, of what a run is differentiated"
+                " by; p of rollout has their values, and values={...} sets those of other parameters"
             )
         self.parameters = tuple(names_of(parameters, "parameters"))
         knowns = (*STATES, *self.inputs, *self.parameters)

@@ -570,16 +570,18 @@ def test_trial_points_that_overflow_end_no_search(theta, integral):
 
 
 def test_a_loop_that_creeps_is_told_how_far_and_how_long():
-    """The angle of a slow integrator creeps; a duration of five times as long is tried, if it is allowed."""
-    law = pi_controller(20.0, 5.0)
-    found = analysed(law, duration=2.0)
+    """With a slow integrator the angle creeps, or sticks under a torque that grows on."""
+    found = analysed(pi_controller(20.0, 5.0), duration=2.0)
     (text,) = found.findings
-    low, high, moved = map(
-        float,
-        re.search(r"\(([\d.]+) to ([\d.]+) rad at the end, ([\d.e-]+) rad in the last 0.8 s", text).groups(),
-    )
+    ends = r"\(([\d.]+) to ([\d.]+) rad at the end, moved by ([\d.e-]+) rad in the last 0.8 s"
+    low, high, moved = map(float, re.search(ends, text).groups())
     assert moved == pytest.approx(high - low, rel=0.05)
     assert "try duration=10" in text and found.rests is False
+    longest = 4e6 * PERIOD  # s
+    (text,) = analysed(pi_controller(20.0, 1e-5), duration=0.5 * longest).findings
+    assert text.endswith(f"try duration={longest:g}")
+    (text,) = analysed(pi_controller(20.0, 1e-5), duration=longest).findings
+    assert text.endswith("This is the longest duration that the period of 0.001 s allows")
 
 
 def test_ranges_are_shown_with_digits_that_differ():
@@ -589,6 +591,7 @@ def test_ranges_are_shown_with_digits_that_differ():
     assert len(texts) == 2 and all("longer duration decides" in text for text in texts)
     ranges = re.findall(r"\(([\d.]+) to ([\d.]+) rad", " ".join(texts))
     assert ranges and all(low != high for low, high in ranges)
+    assert "sticks while the torque goes on to change" in texts[1]
 
 
 def test_without_inertia_only_slow_cycles_are_looked_for():
