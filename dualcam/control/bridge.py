@@ -60,8 +60,8 @@ def to_nonlinear_io_system(
         "forward", the path of a forward FMU (FMI 2.0 or 3.0), or a handle (then with the parameters of its
         last start).
     inputs
-        Out of tau [N.m], F_ext [N], as a list, or as one text with commas. None: both. An input left out keeps
-        its value of `parameters`, or 0.
+        Out of tau [N.m], F_ext [N]: a list, or one text with commas. None: both. An input left out keeps its
+        value of `parameters`, or 0.
     outputs
         None: theta, omega, z [m], v [m/s]. Else any outputs or locals of the FMU that follow from states and
         inputs (`mode`, `torque_load`, `spring.force`, ...), but not the accounts `energy.*`, `peak.*`.
