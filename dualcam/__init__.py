@@ -82,7 +82,11 @@ _NAMES = {  # names of this package by the module that has them
     "view": "write_view",
 }
 _MODULE_OF = {name: module for module, names in _NAMES.items() for name in names.split()}
-_NAMED_AS_PACKAGES = ("control", "gym", "mujoco")  # rooms that are not in __all__, so that * hides no package
+_NAMED_AS_PACKAGES = {  # rooms that are not in __all__, so that * hides no package -> the package they need
+    "control": "control",
+    "gym": "gymnasium",
+    "mujoco": "mujoco",
+}
 _INNER = ("checking", "export", "report", "simulation", "view")  # whose names are those of this package
 
 __all__ = [
@@ -146,4 +150,7 @@ if not TYPE_CHECKING:  # type checkers see the imports above, and report other n
         raise AttributeError(f"module 'dualcam' has no attribute {name!r}: {hint}")
 
     def __dir__() -> list[str]:
-        return sorted([*__all__, *_NAMED_AS_PACKAGES])
+        """Without the rooms whose package is not installed."""
+        from importlib.util import find_spec
+
+        return sorted([*__all__, *(room for room, needed in _NAMED_AS_PACKAGES.items() if find_spec(needed))])

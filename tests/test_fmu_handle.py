@@ -255,7 +255,8 @@ def test_an_unknown_name_is_told_what_exists(fmu, name, mentions):
         ("contacts", 7, ("contacts", "7", "allowed is")),
         ("ledger", "false", ("ledger", "True and False")),
         ("cam1.table", 3, ("cam1.table", "text")),
-        ("theta", 1.0, ("theta", "calculated")),
+        ("theta", 1.0, ("theta", "calculated", "initial.theta sets the start")),
+        ("omega", 1.0, ("omega", "calculated", "initial.omega sets the start")),
         ("tau", math.nan, ("tau", "nan")),
     ],
 )
@@ -658,9 +659,28 @@ def test_the_modules_that_help_announces_are_attributes():
         assert found == f"dualcam.{name}" or f'pip install "dualcam[{name}]"' in found
 
 
+def test_help_works_without_the_packages_of_some_rooms():
+    """`help` and inspect.getmembers read each name that `dir` lists."""
+    code = (
+        "import inspect, pydoc, sys; sys.modules.update(gymnasium=None, mujoco=None); import dualcam\n"
+        "names = [name for name, _ in inspect.getmembers(dualcam)]; pydoc.render_doc(dualcam)\n"
+        "print('control' in names, 'gym' in names, 'mujoco' in names)\n"
+        "try: dualcam.gym\nexcept ImportError as why: print(why)"
+    )
+    assert printed(code) == [
+        "True",
+        "False",
+        "False",
+        *["dualcam.gym", "needs", "gymnasium:", "pip", "install", '"dualcam[gym]"'],
+    ]
+
+
 def test_public_names():
     """`dir` lists them, and no module that is no room for users; type checkers see each one."""
-    assert set(dir(dualcam)) == {*dualcam.__all__, *NAMED_AS_PACKAGES} and len(dir(dualcam)) <= 36
+    missing = {
+        room for room, needed in (("gym", "gymnasium"), ("mujoco", "mujoco")) if not util.find_spec(needed)
+    }
+    assert set(dir(dualcam)) == {*dualcam.__all__, *NAMED_AS_PACKAGES} - missing and len(dir(dualcam)) <= 36
     assert {"Fleet", "__version__", "errors", "fmu_path"} <= set(dualcam.__all__)
     with pytest.raises(AttributeError, match="did you mean to_nonlinear_io_system"):
         dualcam.nlsys  # noqa: B018

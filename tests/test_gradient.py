@@ -246,6 +246,10 @@ def test_the_gradient_by_u_is_named_inputs(fleet):
         ({"fmu": "inverse"}, "by 'tau': allowed here are none"),
         ({"values": {"initial.theta": 0.3}}, "values has initial.theta"),
         ({"values": {"cam1.friction": 0.3}, "parameters": ["cam1.friction"]}, "values has cam1.friction"),
+        (
+            {"parameters": {"cam1.friction": 0.3}},
+            r"allowed is a list of names.*values=\{\.\.\.\} sets those of other parameters",
+        ),
         ({"step": 0.0}, "step = 0.0: allowed is a finite number > 0, in s"),
     ],
 )

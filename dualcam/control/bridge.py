@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import control
@@ -17,6 +17,7 @@ from dualcam.control.forward import (
     CamAtState,
     Names,
     Source,
+    name_list,
     open_forward,
     sampling_period,
     selected_names,
@@ -58,7 +59,9 @@ def to_nonlinear_io_system(
     source
         "forward", the path of a forward FMU (FMI 2.0 or 3.0), or a handle (then with the parameters of its
         last start).
-    inputs : Out of tau [N.m], F_ext [N]. None: both. An input left out keeps its value of `parameters`, or 0.
+    inputs
+        Out of tau [N.m], F_ext [N]: a list, or one text with commas. None: both. An input left out keeps its
+        value of `parameters`, or 0.
     outputs
         None: theta, omega, z [m], v [m/s]. Else any outputs or locals of the FMU that follow from states and
         inputs (`mode`, `torque_load`, `spring.force`, ...), but not the accounts `energy.*`, `peak.*`.
@@ -111,6 +114,9 @@ def to_nonlinear_io_system(
 
     Copies of a system share one FMU, whose whole state each call sets.
 
+    Names of the FMU's parameters in the `params` of a run are refused (FmuError). Other params belong to
+    other systems of a loop.
+
     Source of the equations: docs/mechanism.md, sections 3 and 6.
 
     Examples
@@ -138,7 +144,7 @@ def _outputs(fmu: Handle, names: Names) -> list[str]:
         for variable in variables
         if variable.causality in ("output", "local") and not variable.name.startswith(ACCUMULATED)
     ]
-    wanted = list(OUTPUTS) if names is None else [names] if isinstance(names, str) else list(names)
+    wanted = list(OUTPUTS) if names is None else name_list(names)
     for name in wanted:
         if fmu.variable(name).name.startswith(ACCUMULATED):
             raise FmuError(
@@ -162,9 +168,9 @@ class _InputValues:
         return values
 
 
-def _labels(names: list[str]) -> list[str]:
-    """Names that python-control allows."""
-    return [name.replace(".", "_") for name in names]
+def _label(name: str) -> str:
+    """A name that python-control allows."""
+    return name.replace(".", "_")
 
 
 def _read(fmu: Handle, outputs: list[str], x: Array) -> Array:
@@ -174,10 +180,39 @@ def _read(fmu: Handle, outputs: list[str], x: Array) -> Array:
     )
 
 
+class CamSystem(control.NonlinearIOSystem):
+    """A plant whose FMU has the start values of the constructor."""
+
+    def __init__(self, fmu: Handle, *functions: Callable[..., Array], **options: Any) -> None:  # noqa: ANN401
+        variables = fmu.description.variables
+        self._parameters = [variable.name for variable in variables if variable.causality == "parameter"]
+        super().__init__(*functions, **options)
+
+    def _update_params(self, params: Mapping[str, Any]) -> None:
+        """python-control calls this at the beginning of each run."""
+        self._refuse_params(params)
+        super()._update_params(params)
+
+    def _refuse_params(self, params: Mapping[str, Any] | None) -> None:
+        """FmuError for params that mean the FMU. In a loop those of all systems come here."""
+        meant = [key for key in params or () if any(_means(str(key), name) for name in self._parameters)]
+        if meant:
+            raise FmuError(
+                f"params with {', '.join(meant)}: the FMU takes no params of a run; parameters={{...}} of"
+                " to_nonlinear_io_system sets its start values"
+            )
+
+
+def _means(key: str, name: str) -> bool:
+    """Whether a key is a parameter's name, with dots or with _, or begins with the name's group and a dot."""
+    group, dot, _ = key.partition(".")
+    return key == _label(name) or (dot != "" and name.startswith(group + dot))
+
+
 # ---- continuous ----
 
 
-class ContinuousCamSystem(control.NonlinearIOSystem):
+class ContinuousCamSystem(CamSystem):
     """See to_nonlinear_io_system."""
 
     def __init__(
@@ -232,11 +267,17 @@ class ContinuousCamSystem(control.NonlinearIOSystem):
         self._linear_model = linear_model
         self._begins = False
         super().__init__(
-            rates, output, inputs=inputs, outputs=_labels(names), states=list(STATES), name=name, dt=0
+            fmu,
+            rates,
+            output,
+            inputs=inputs,
+            outputs=[*map(_label, names)],
+            states=list(STATES),
+            name=name,
+            dt=0,
         )
 
     def _update_params(self, params: Mapping[str, Any]) -> None:
-        """python-control calls this at the beginning of each run."""
         super()._update_params(params)
         self._begins = True
 
@@ -257,14 +298,15 @@ class ContinuousCamSystem(control.NonlinearIOSystem):
         x0: ArrayLike | control.OperatingPoint,
         u0: ArrayLike | None = None,
         t: float = 0.0,
-        params: object = None,
+        params: Mapping[str, Any] | None = None,
         eps: float = 0.0,
         copy_names: bool = True,
         **names: object,
     ) -> control.StateSpace:
         """dualcam.linearize at states x0, shape (2,), and inputs u0, shape (inputs,); `names` rename its
         signals. The other arguments are python-control's and have no effect: the model is exact, and has
-        names."""
+        names. FmuError for params that mean the FMU."""
+        self._refuse_params(params)
         if isinstance(x0, control.OperatingPoint):
             x0, u0 = x0.states, x0.inputs if u0 is None else u0
         x = np.broadcast_to(real_array(x0, "x0", FmuError), 2)
@@ -303,6 +345,13 @@ def _sampled(
             runs.initialize([*x, *all_inputs(u)])
         return _read(fmu, names, x)
 
-    return control.NonlinearIOSystem(
-        update, output, inputs=inputs, outputs=_labels(names), states=list(STATES), name=name, dt=period
+    return CamSystem(
+        fmu,
+        update,
+        output,
+        inputs=inputs,
+        outputs=[*map(_label, names)],
+        states=list(STATES),
+        name=name,
+        dt=period,
     )

@@ -6,6 +6,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TypeVar
 
+import numpy as np
+
 from dualcam.common.arrays import positive_number
 from dualcam.common.entries import repeated
 from dualcam.errors import FmuError
@@ -42,9 +44,16 @@ def open_forward(
     return fmu, {**inherited, **(parameters or {})}
 
 
+def name_list(names: object) -> list[str]:
+    """Names of signals: of a sequence, or of one text with commas between the names."""
+    if isinstance(names, str):
+        return [name.strip() for name in names.split(",")]
+    return [str(name) for name in np.ravel(np.array(names, dtype=object))]
+
+
 def selected_names(names: Names, allowed: Sequence[str], what: str) -> list[str]:
     """Names of signals, all of `allowed` for None. FmuError for other names and for repeated ones."""
-    found = list(allowed) if names is None else [names] if isinstance(names, str) else list(names)
+    found = list(allowed) if names is None else name_list(names)
     for name in found:
         if name not in allowed:
             raise FmuError(f"{what} {name!r}: allowed are {', '.join(allowed)}")

@@ -9,13 +9,14 @@ McGraw-Hill 1968, chapters 2 and 3."""
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.interpolate import CubicSpline
-from scipy.optimize import root
+from scipy.optimize import OptimizeResult, root
 
 from dualcam.control.forward import CamAtState
 from dualcam.control.play_operator import PlayOperator
@@ -138,9 +139,8 @@ class Balance:
             value = self.value(*np.exp(logarithms).tolist()) / size
             return [value.real, value.imag]
 
-        try:
-            found = root(residual, np.log([amplitude, frequency]), options={"xtol": 1e-6, "maxfev": 60})
-        except (ValueError, ArithmeticError):  # the search left what the cam can do
+        found = _root(residual, np.log([amplitude, frequency]), xtol=1e-6, maxfev=60)
+        if found is None:
             return None
         place = np.exp(found.x).tolist()
         near = all(0.5 < a / b < 2.0 for a, b in zip(place, (amplitude, frequency), strict=True))
@@ -303,12 +303,12 @@ class SinusoidalTorque(Balance):
             return np.concatenate([[middle], balance.real, balance.imag])
 
         first = np.concatenate([guess[:2].real, np.zeros(2 * (len(guess) - 2)), [0.0]])
-        found = root(residual, first, options={"xtol": 1e-8, "maxfev": 500})
+        found = _root(residual, first, xtol=1e-8, maxfev=500)
+        if found is None or not found.success:
+            return guess, frequency
         torques, now = unknown(found.x)
         near = 0.5 < abs(torques[1] / guess[1]) < 2.0 and 0.5 < now / frequency < 2.0
-        if found.success and near:
-            return torques, now
-        return guess, frequency
+        return (torques, now) if near else (guess, frequency)
 
     def _angle(self, torques: Array) -> Array:
         """A steady cycle of the angle under harmonics of the torque, shape (SAMPLES,)."""
@@ -319,6 +319,17 @@ class SinusoidalTorque(Balance):
 
 
 # ---- help for the search ----
+
+
+def _root(
+    residual: Callable[[Array], ArrayLike], first: Array, xtol: float, maxfev: int
+) -> OptimizeResult | None:
+    """What scipy.optimize.root finds. None where a trial overflows, or the cam cannot move as it says."""
+    try:
+        with np.errstate(over="ignore", invalid="ignore"):
+            return root(residual, first, options={"xtol": xtol, "maxfev": maxfev})
+    except (ValueError, ArithmeticError):
+        return None
 
 
 def _cells(values: Array, amplitudes: Array, frequencies: Array) -> Iterator[tuple[float, float]]:

@@ -164,8 +164,8 @@ class CamHysteresis(PlayOperator):
         [(0.09, 163, False)]
         >>> [round(motion.amplitude, 2) for motion in found.simulated]  # rad, from stop to stop
         [0.66]
-        >>> len(caught), found.holds
-        (1, False)
+        >>> len(caught), found.holds, found.rests
+        (1, False, False)
         """
         if self.bias is not None:
             raise OperatingPointError(

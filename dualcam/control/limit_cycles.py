@@ -9,11 +9,19 @@ import numpy as np
 
 from dualcam.control.harmonic_balance import Candidate, LimitCycle, Start
 from dualcam.control.play_operator import PlayOperator
-from dualcam.control.sampled_loop import MOST_TORQUE, LoopMotion, SampledController, SampledLoop
+from dualcam.control.sampled_loop import (
+    LATE,
+    MOST_SAMPLES,
+    MOST_TORQUE,
+    LoopMotion,
+    SampledController,
+    SampledLoop,
+)
 
 ALLOWED = 0.1  # relative error of a prediction that is said to hold
 STARTS = (-0.05, 0.3, -0.95, 0.95)  # offsets from which the loop is run, of the distance to the stop there
 LEAST_MARGIN = 1.9  # see LimitCycle; measured: tests/verification/results/hunting.csv
+LONGER = 5.0  # times the duration of runs that have not settled: the duration to try
 ON_STOP = 1e-3  # of the room between the stops
 GROWS = f"lets the controller's torque grow beyond {MOST_TORQUE:g} N.m, or a state beyond 1e308"
 
@@ -29,15 +37,17 @@ class LimitCycles:
         Different motions in which the loop with the FMU settles, by rising amplitude; rest, also on a stop,
         is none of them. Empty if the check was left out.
     holds
-        Whether the FMU agrees with the prediction to 10 %. Without the check: None, or False where a margin
-        is too small (see LimitCycle).
+        Whether the FMU agrees with the prediction to 10 %: True, too, where the loop swings as predicted.
+        Without the check: None, or False where a margin is too small (see LimitCycle).
     findings : Where the prediction does not hold; the texts of the warnings.
+    rests : Whether every run of the check came to rest between the stops. None without the check.
     """
 
     predicted: tuple[LimitCycle, ...]
     simulated: tuple[LoopMotion, ...] = ()
     holds: bool | None = None
     findings: tuple[str, ...] = ()
+    rests: bool | None = None
 
 
 def unchecked(controller: SampledController, found: list[Candidate]) -> LimitCycles:
@@ -73,20 +83,25 @@ def check_in_loop(
     finally:
         loop.close()
     motions = tuple(sorted(checks.motions, key=lambda motion: motion.amplitude))
-    return LimitCycles(tuple(one.cycle for one in found), motions, not findings, tuple(findings))
+    cycles, rests = tuple(one.cycle for one in found), checks.kinds == {"rest"}
+    return LimitCycles(cycles, motions, not findings, tuple(findings), rests)
 
 
 class _Checks:
-    """Runs of the loop. `motions`: the different ones in which the loop settled, but for rest."""
+    """Runs of the loop. `motions`: the different ones in which the loop settled, but for rest. `kinds`: those
+    of all runs."""
 
     def __init__(
         self, hysteresis: PlayOperator, loop: SampledLoop, found: list[Candidate], duration: float
     ) -> None:
         self.hysteresis, self.loop, self.found, self.duration = hysteresis, loop, found, duration
         self.motions: list[LoopMotion] = []
+        self.kinds: set[str] = set()
 
     def _settle(self, start: Start) -> LoopMotion:
-        return self.loop.settle(start.theta, start.omega, start.x, start.bias, self.duration)
+        settled = self.loop.settle(start.theta, start.omega, start.x, start.bias, self.duration)
+        self.kinds.add(settled.kind)
+        return settled
 
     def of_predictions(self) -> Iterator[str]:
         """Texts where the loop does not settle in a stable cycle, or does not part at a border."""
@@ -119,7 +134,7 @@ class _Checks:
             begin = theta + abs(share) * (stop - theta)
             settled = self._settle(Start(begin, 0.0, states, middle))
             if settled.kind in ("stop", "diverges", "grows", "undecided"):
-                where = f"{begin:.4g} rad ({_ends(settled)} at the end)"
+                where = f"{begin:.4g} rad ({_ends(settled)} at the end{self._drift(settled)})"
                 unsettled.setdefault(self._complaint(settled), []).append(where)
             elif settled.kind != "rest" and not any(_alike(settled, other) for other in self.motions):
                 self.motions.append(settled)
@@ -135,11 +150,11 @@ class _Checks:
     def _complaint(self, settled: LoopMotion) -> str:
         """What is wrong where the loop neither rests nor swings, and what to do."""
         if settled.kind == "undecided":
-            return f"is neither at rest nor in cycles after {self.duration:g} s. A longer duration decides"
+            return f"is neither at rest nor in cycles after {self.duration:g} s. {self._longer('decides')}"
         if settled.kind == "grows":
             return (
-                f"swings with an amplitude that still grows after {self.duration:g} s. A longer duration"
-                " shows where it ends"
+                f"swings with an amplitude that still grows after {self.duration:g} s."
+                f" {self._longer('shows where it ends')}"
             )
         if settled.kind == "diverges":
             return (
@@ -153,6 +168,22 @@ class _Checks:
             " Look at the sign of the controller (from the error, theta less the angle, to the torque) and at"
             " its gains"
         )
+
+    def _drift(self, settled: LoopMotion) -> str:
+        """How far an unsettled cam still moved. Where it stands, an integral of the error is not settled."""
+        if settled.kind != "undecided":
+            return ""
+        if settled.amplitude == 0.0:
+            return ", where it sticks while the torque goes on to change"
+        return f", moved by {2.0 * settled.amplitude:.2g} rad in the last {LATE * self.duration:.3g} s"
+
+    def _longer(self, effect: str) -> str:
+        """The advice of a longer duration, as far as one is allowed."""
+        period = self.loop.controller.period
+        longest = MOST_SAMPLES * period
+        if self.duration < longest:
+            return f"A longer duration {effect}: try duration={min(LONGER * self.duration, longest):g}"
+        return f"This is the longest duration that the period of {period:g} s allows"
 
     def _why(self, settled: LoopMotion) -> str:
         """What the harmonic balance does not know of this motion."""

@@ -12,7 +12,7 @@ from typing import TypeAlias
 import control
 import numpy as np
 
-from dualcam.control.forward import LOWER_STOP, STICK, UPPER_STOP, Names, Source, open_forward
+from dualcam.control.forward import LOWER_STOP, STICK, UPPER_STOP, Names, Source, name_list, open_forward
 from dualcam.errors import FmuError
 from dualcam.fmi.fmu import Fmu, RepeatedStart
 from dualcam.fmi.model_description import Scalar
@@ -111,16 +111,17 @@ class SampledController:
 
 def _signals(law: Law, inputs: Names) -> list[str]:
     """The signal at each input of the controller. FmuError for what is none, or if the angle is none."""
-    labels = law.input_labels if inputs is None else map(str, np.ravel(np.array(inputs, dtype=object)))
+    labels = law.input_labels if inputs is None else name_list(inputs)
     found = ["reference" if CONSTANT.fullmatch(label) else label for label in labels]
     if inputs is None and len(found) == 1 and found[0] not in SIGNALS:
         return ["error"]
     if len(found) != law.ninputs or not set(found) <= SIGNALS.keys() or not {"error", "theta"} & set(found):
         raise FmuError(
-            f"controller with {law.ninputs} inputs, named {', '.join(found)}: allowed are error"
-            " (theta less the angle) [rad], theta (the angle) [rad], omega [rad/s], and reference for each"
-            " input that stays constant; error or theta must be one. Name them in the controller's order,"
-            ' such as inputs=["reference", "theta"]'
+            f"controller with {law.ninputs} input{'s'[: law.ninputs != 1]}, named {', '.join(found)}:"
+            " allowed are error (theta less the angle) [rad], theta (the angle) [rad], omega [rad/s], and"
+            " reference for each input that stays constant; error or theta must be one. Name them in the"
+            " controller's order, such as"
+            ' inputs=["reference", "theta"]'
         )
     return found
 

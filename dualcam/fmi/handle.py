@@ -128,7 +128,7 @@ class Handle(ProcessBound):
         if self._is_dual_cam:
             warn_units({name: (name, value) for name, value in parameters.items()}, stacklevel=4)
         for name, value in parameters.items():
-            self._set(name, value)
+            self._set_start(name, value)
         for name, arguments in instance.initialization_calls(tolerance, time):
             instance.call(name, *arguments)
         self.parameters = dict(parameters)
@@ -227,6 +227,15 @@ class Handle(ProcessBound):
     def _set(self, name: str, value: Scalar) -> None:
         variable = self.variable(name)
         self._instance.set(variable, suitable_value(variable, value))
+
+    def _set_start(self, name: str, value: Scalar) -> None:
+        """Set a start value. The error for a state names the parameter of its start."""
+        try:
+            self._set(name, value)
+        except FmuError as error:
+            if (initial := f"initial.{name}") in self._variables:
+                raise FmuError(f"{error}; {initial} sets the start") from None
+            raise
 
     def jacobian(self, unknowns: Names, knowns: Names) -> Array:
         """Partial derivatives at the present point. FmuError where the FMU has no such derivative.

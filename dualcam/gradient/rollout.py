@@ -143,6 +143,11 @@ class DifferentiableFleet(ProcessBound):
     ) -> None:
         self._step = positive_number(step, "step", "a finite number > 0, in s")
         self.inputs = tuple(names_of(inputs, "inputs"))
+        if isinstance(parameters, Mapping):
+            raise FmuError(
+                f"parameters = {parameters!r}: allowed is a list of names, of what a run is differentiated"
+                " by; p of rollout has their values, and values={...} sets those of other parameters"
+            )
         self.parameters = tuple(names_of(parameters, "parameters"))
         knowns = (*STATES, *self.inputs, *self.parameters)
         description = read_model_description(source_path(fmu))

@@ -143,12 +143,14 @@ def test_the_hold_is_in_the_loop():
     border, _ = border_of(100.0, 0.0, check=False)
     for factor in (0.9, 1.1):
         assert grows(100.0, 0.0, factor * border.amplitude, border.frequency) == (factor > 1.0)
-    assert analysed(pi_controller(100.0, 0.0, PERIOD / 20), check=False).predicted == ()
+    unchecked = analysed(pi_controller(100.0, 0.0, PERIOD / 20), check=False)
+    assert unchecked.predicted == () and unchecked.rests is None
 
 
 def test_a_loop_that_rests_has_no_limit_cycle_and_no_warning():
     found = analysed(pi_controller(5.0, 20.0))
     assert (found.predicted, found.simulated, found.findings, found.holds) == ((), (), (), True)
+    assert found.rests is True
     for offset in (-0.6, 0.1, 0.6):
         angles = pi_loop(5.0, 20.0, PERIOD, MIDDLE, (MIDDLE + offset, 0.0, HELD), 30_000)
         assert np.ptp(angles[-10_000:]) < 1e-3
@@ -219,6 +221,14 @@ def test_names_of_the_inputs():
     assert analysed(one, check=False) == expected == analysed(-one, check=False, inputs="theta")
 
 
+def test_names_in_one_text():
+    law = control.ss([], [], [], [[50.0, -1.0]], PERIOD)
+    one, two = (analysed(law, inputs=names, check=False) for names in ("error, omega", ["error", "omega"]))
+    assert values(one) == pytest.approx(values(two), rel=0.0)
+    with refused("with 1 input, named omega"):
+        CamHysteresis(FORWARD, MIDDLE).limit_cycles(control.ss([], [], [], 1.0, PERIOD), inputs="omega")
+
+
 def test_a_controller_by_functions():
     """Its constants are part of the bias."""
     law = control.nlsys(
@@ -243,7 +253,7 @@ def test_state_feedback_with_an_integral_of_python_control():
         for gain in (best, [[50.0, 0.02, 2000.0 * PERIOD]])
     )
     assert lqi.input_labels == ["xd[0]", "xd[1]", "ud[0]", *STATES]
-    assert analysed(lqi) == LimitCycles((), (), True, ())
+    assert analysed(lqi) == LimitCycles((), (), True, (), True)
     expected = analysed(lqi_controller(50.0, 0.02, 2000.0), check=False)
     assert values(analysed(law, check=False)) == pytest.approx(values(expected), rel=1e-6)
 
@@ -261,7 +271,7 @@ def test_controllers_that_have_other_signals_are_refused():
         (3, None),
         (1, 3),
     ):
-        with refused(f"{count} inputs, named", "allowed are"):
+        with refused(f"{count} inputs?, named", "allowed are"):
             hysteresis.limit_cycles(gains[count], inputs=names)
     with refused("2 outputs", "without the cam", "one output, the torque"):
         hysteresis.limit_cycles(control.ss([], [], [], np.ones((2, 1)), PERIOD))
@@ -316,7 +326,7 @@ def test_a_stable_cycle_of_a_quadratic_damper(slave):
     """The damper limits the swing before the stops do. The border below is confirmed too."""
     parameters = {"damper.q_load": 2000.0, "damper.q_release": 2000.0, "inertia.follower_mass": 2.0}
     found = analysed(pi_controller(50.0, 2000.0), parameters)
-    assert found.holds
+    assert found.holds is True and found.rests is False
     border, cycle = found.predicted
     assert (border.stable, cycle.stable) == (False, True)
     measured = swing(stepped(slave, pi_controller(50.0, 2000.0), parameters, 1.1, 4.0)[-2000:], PERIOD)
@@ -545,6 +555,35 @@ def test_without_friction_the_loop_is_linear(damping):
     assert found.holds is bool(np.abs(poles).max() < 1.0) is (damping > 0.0) is (not found.simulated)
 
 
+@pytest.mark.parametrize(("theta", "integral"), [(0.2, 1.0), (0.6, 3.0), (0.6, 40.0), (1.0, 10.0)])
+def test_trial_points_that_overflow_end_no_search(theta, integral):
+    """The border scales with the spring's torque, so that at 0.8 rad tells those elsewhere."""
+    z = control.tf([1, 0], [1], PERIOD)
+    law = 300.0 + integral / (z - 1.0) + 200.0 * (z - 1.0) / (z - 0.8187)
+    (border,), (other,) = (
+        CamHysteresis(FORWARD, angle).limit_cycles(law, check=False).predicted for angle in (theta, 0.8)
+    )
+    load, other_load = (PRELOAD + STIFFNESS * LIFT * angle for angle in (theta, 0.8))
+    assert not border.stable
+    assert border.frequency == pytest.approx(other.frequency, rel=1e-6)
+    assert border.amplitude / load == pytest.approx(other.amplitude / other_load, rel=1e-5)
+
+
+def test_a_loop_that_creeps_is_told_how_far_and_how_long():
+    """With a slow integrator the angle creeps, or sticks under a torque that grows on."""
+    found = analysed(pi_controller(20.0, 5.0), duration=2.0)
+    (text,) = found.findings
+    ends = r"\(([\d.]+) to ([\d.]+) rad at the end, moved by ([\d.e-]+) rad in the last 0.8 s"
+    low, high, moved = map(float, re.search(ends, text).groups())
+    assert moved == pytest.approx(high - low, rel=0.05)
+    assert "try duration=10" in text and found.rests is False
+    longest = 4e6 * PERIOD  # s
+    (text,) = analysed(pi_controller(20.0, 1e-5), duration=0.5 * longest).findings
+    assert text.endswith(f"try duration={longest:g}")
+    (text,) = analysed(pi_controller(20.0, 1e-5), duration=longest).findings
+    assert text.endswith("This is the longest duration that the period of 0.001 s allows")
+
+
 def test_ranges_are_shown_with_digits_that_differ():
     """Slow integrators: at the end of the run the cam creeps, or rests off the reference."""
     slow, crawling = (analysed(pi_controller(20.0, integral), duration=2.0) for integral in (5.0, 0.01))
@@ -552,6 +591,7 @@ def test_ranges_are_shown_with_digits_that_differ():
     assert len(texts) == 2 and all("longer duration decides" in text for text in texts)
     ranges = re.findall(r"\(([\d.]+) to ([\d.]+) rad", " ".join(texts))
     assert ranges and all(low != high for low, high in ranges)
+    assert "sticks while the torque goes on to change" in texts[1]
 
 
 def test_without_inertia_only_slow_cycles_are_looked_for():

@@ -56,6 +56,24 @@ def test_dt_is_the_period():
             call(period=0.01, dt=0.02)
 
 
+@pytest.mark.parametrize("period", [None, PERIOD])
+def test_params_of_a_run_do_not_reach_the_fmu(period):
+    """Those of other systems of a loop do no harm."""
+    cam = dualcam.to_nonlinear_io_system(FORWARD, "tau", ["theta", "omega"], period=period)
+    time = np.arange(3) * PERIOD
+    for key in ("cam1.friction", "cam1_friction", "cam1.frction", "contacts"):
+        message = rf"params with {key}: .*parameters=\{{...\}} of to_nonlinear_io_system"
+        with refused(message):
+            control.input_output_response(cam, time, np.zeros(3), [0.4, 0.0], params={"gain": 1.0, key: 0.1})
+        with refused(message):
+            control.linearize(cam, [0.4, 1.0], [0.0], params={key: 0.1})
+    law = control.nlsys(
+        None, lambda t, x, u, p: p["gain"] * u, inputs="e", outputs="tau", params={"gain": 1.0}, dt=cam.dt
+    )
+    loop = control.interconnect([law, cam], inputs="e", outputs=["theta", "omega"])
+    control.input_output_response(loop, time, np.zeros(3), [0.4, 0.0], params={"gain": 2.0})
+
+
 def test_bad_rest():
     with refused("rest_speed"):
         dualcam.to_nonlinear_io_system(FORWARD, rest_speed=0.0)

@@ -41,6 +41,11 @@ def test_a_sampled_plant_is_the_stepped_fmu(slave, parameters, period):
     assert slave.get("events") > events
 
 
+def test_outputs_in_one_text():
+    system = dualcam.to_nonlinear_io_system(FORWARD, "tau", "theta, spring.force", period=PERIOD)
+    assert (system.input_labels, system.output_labels) == (["tau"], ["theta", "spring_force"])
+
+
 def test_a_sampled_plant_forgets(sampled):
     states = [(0.5, 2.0, 3.0), (0.5, -2.0, 3.0), (0.5, 0.0, 3.0), (1.3963, 1.0, 5.0), (0.9, 0.0, 9.0)]
     order = states * 5
