@@ -49,17 +49,13 @@ class Verdict:
 
     Attributes
     ----------
-    name : str
-        Name of the design.
-    model : {"forward", "inverse"}
-        The model that was started.
-    starts : bool
-        Whether the FMU starts with the design's parameters.
+    name : Name of the design.
+    model : The model that was started: "forward" or "inverse".
+    starts : Whether the FMU starts with the design's parameters.
     findings : tuple of Finding
         Errors first, then warnings. Where a value looks like another unit, the warning about this value comes
         before the errors, because the unit is their likely cause.
-    notes : tuple of str
-        How the files of groove tables were understood.
+    notes : How the files of groove tables were understood.
     numbers : KeyNumbers or None
         Torques, efficiency, stroke, contact pressure, spring, roller and wear; None for a design with errors.
     """
@@ -110,8 +106,7 @@ def check_design(design: DesignSource) -> Verdict:
 
     Parameters
     ----------
-    design : DesignFile, str or Path
-        A design, from `read_design`, or the path of its file. DesignFileError where the file is refused.
+    design : A design, from `read_design`, or the path of its file. DesignFileError where the file is refused.
 
     Returns
     -------

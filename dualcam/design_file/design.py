@@ -41,37 +41,23 @@ class DesignFile:
 
     Attributes
     ----------
-    path : Path
-        The file.
+    path : The file.
     parameters : dict
         Names of the FMUs' parameters and values in SI units: those that the file gives. Paths of tables are
         absolute, and the FMU reads these tables.
-    model : {"forward", "inverse"}
-        The model that the scenario drives: inverse where the scenario gives theta.
-    scenario : Scenario or None
-        Inputs over time, as in parameter studies.
-    output_interval : float or None
-        Time between two samples of a simulation [s].
-    pin : Pin or None
-        The pin and its material.
-    roller : Roller or None
-        The roller with the radius of the pin.
-    helical_spring : HelicalSpring or None
-        Wire and coil of the spring.
-    spring_limits : SpringLimits or None
-        Free and solid length of the spring.
-    limits : Limits or None
-        What `dualcam check` allows; None where the file does not say.
-    study : dict or None
-        Table [study] as it stands in the file.
-    title, description : str
-        Words for reports.
-    warnings : tuple of Finding
-        What could be meant otherwise; nothing of that is refused.
-    notes : tuple of str
-        How the files of groove tables were understood.
-    lines : Mapping
-        Lines of the keys in the file.
+    model : The model that the scenario drives: "inverse" where the scenario gives theta, else "forward".
+    scenario : Inputs over time, as in parameter studies.
+    output_interval : Time between two samples of a simulation [s].
+    pin : The pin and its material.
+    roller : The roller with the radius of the pin.
+    helical_spring : Wire and coil of the spring.
+    spring_limits : Free and solid length of the spring.
+    limits : What `dualcam check` allows; None where the file does not say.
+    study : Table [study] as it stands in the file.
+    title, description : Words for reports.
+    warnings : What could be meant otherwise; nothing of that is refused.
+    notes : How the files of groove tables were understood.
+    lines : Lines of the keys in the file.
     """
 
     path: Path
@@ -101,8 +87,7 @@ class DesignFile:
 
         Parameters
         ----------
-        name : str
-            Name of the FMU's parameter.
+        name : Name of the FMU's parameter.
 
         Returns
         -------
@@ -126,8 +111,7 @@ class DesignFile:
 
         Parameters
         ----------
-        model : {"forward", "inverse"}, optional
-            The model; that of the design if not given.
+        model : The model; that of the design if not given: "forward" or "inverse".
 
         Returns
         -------

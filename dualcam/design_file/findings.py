@@ -14,22 +14,14 @@ class Finding:
 
     Attributes
     ----------
-    severity : {"error", "warning"}
-        A design with errors does not work. A warning says what could be meant otherwise.
-    key : str
-        Key of the design file, such as `cam1.radius`; empty where no single key is concerned.
-    value : float, int, bool, str or None
-        Its value.
-    text : str
-        A sentence with key, value, what is allowed, and what would work.
-    nearest : float, int, bool, str or None
-        The nearest value of `change` that works, in the unit of that key, where one is known.
-    change : str
-        The key that would get the value `nearest`; empty where `nearest` is None.
-    line : int or None
-        Line of the design file, from 1.
-    kind : str
-        What is checked, in a word or two.
+    severity : "error": the design does not work. "warning": what could be meant otherwise.
+    key : Key of the design file, such as `cam1.radius`; empty where no single key is concerned.
+    value : Its value.
+    text : A sentence with key, value, what is allowed, and what would work.
+    nearest : The nearest value of `change` that works, in the unit of that key, where one is known.
+    change : The key that would get the value `nearest`; empty where `nearest` is None.
+    line : Line of the design file, from 1.
+    kind : What is checked, in a word or two.
     """
 
     severity: str

@@ -70,8 +70,7 @@ def as_design(design: DesignSource, shows_findings: bool = False) -> DesignFile:
 
     Parameters
     ----------
-    design : DesignFile, str or Path
-        A design from `read_design`, or the path of a design file.
+    design : A design from `read_design`, or the path of a design file.
     shows_findings : bool
         Whether the result of the caller has the warnings of the design. Else the warnings of a file that is
         read here become Python warnings.

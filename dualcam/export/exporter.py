@@ -85,12 +85,9 @@ def export_fmu(
 
     Parameters
     ----------
-    design
-        The design, for example from `dualcam.design_file.read_design`, or the path of its file.
-    path
-        File name of the FMU, which ends in .fmu; its stem is the model name. An existing file is replaced.
-    fmi
-        Version of FMI, 2 or 3.
+    design : The design, for example from `dualcam.design_file.read_design`, or the path of its file.
+    path : File name of the FMU, which ends in .fmu; its stem is the model name. An existing file is replaced.
+    fmi : Version of FMI, 2 or 3.
     model
         "forward" or "inverse"; None: as the design says. In the inverse FMU `initial.theta` and
         `initial.omega` become the start values of its inputs `theta` and `omega`. Where the stops exclude
@@ -98,20 +95,16 @@ def export_fmu(
 
     Returns
     -------
-    Path
-        The absolute path of the FMU.
+    The absolute path of the FMU.
 
     Raises
     ------
-    ExportError
-        The path is no good, a table cannot be read, or the project's FMU cannot be changed.
-    FmuError
-        The FMU refuses the design; the message is the FMU's.
+    ExportError : The path is no good, a table cannot be read, or the project's FMU cannot be changed.
+    FmuError : The FMU refuses the design; the message is the FMU's.
 
     Warns
     -----
-    UserWarning
-        The stem of `path` is no C identifier: the names of the binaries differ from the model name.
+    UserWarning : The stem of `path` is no C identifier: the names of the binaries differ from the model name.
 
     Examples
     --------

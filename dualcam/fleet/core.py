@@ -163,8 +163,7 @@ class FleetState(ProcessBound):
 
     Attributes
     ----------
-    instances : ndarray of bool, shape (count,)
-        The instances whose states these are.
+    instances : The instances whose states these are, shape (count,).
     """
 
     _instead = "restore it into its own fleet"

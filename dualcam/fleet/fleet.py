@@ -46,24 +46,18 @@ class Fleet(ProcessBound):
 
     Parameters
     ----------
-    fmu : str or Path
-        "forward" or "inverse" for this package's own FMUs, or the path of any FMU of FMI 2.0.
-    count : int
-        Number of instances, > 0.
-    inputs : sequence of str, shape (n,)
-        Real variables that are set before each step.
-    outputs : sequence of str, shape (m,)
-        Real variables that are read after each step.
+    fmu : "forward" or "inverse" for this package's own FMUs, or the path of any FMU of FMI 2.0.
+    count : Number of instances, > 0.
+    inputs : Real variables that are set before each step, shape (n,).
+    outputs : Real variables that are read after each step, shape (m,).
     parameters : mapping of str to value, optional
         Start values of parameters and inputs, in the FMU's units: one value for all instances, or an array of
         shape (count,). Default: the FMU's.
     threads : int
         Threads that share the instances of a call, 1 to 256. An FMU whose instances are not independent
         allows one thread only.
-    time : float
-        Start time [s].
-    tolerance : float, optional
-        Relative tolerance of the FMU's integrator. None: the FMU's default, here 1e-9.
+    time : Start time [s].
+    tolerance : Relative tolerance of the FMU's integrator. None: the FMU's default, here 1e-9.
 
     Raises
     ------
@@ -172,10 +166,8 @@ class Fleet(ProcessBound):
         u : array_like, shape (count, n)
             Inputs in the FMU's units, constant over the step. No copy is made of a C-contiguous array of
             float64. The rows of instances that have failed are not read.
-        step, h : float
-            Length of the step [s], > 0, by either name.
-        out : ndarray of float64, shape (count, m), optional
-            Where the outputs go. Default: a new array.
+        step, h : Length of the step [s], > 0, by either name.
+        out : Where the outputs go. Default: a new array, shape (count, m).
 
         Returns
         -------
@@ -199,12 +191,9 @@ class Fleet(ProcessBound):
 
         Parameters
         ----------
-        u : array_like, shape (count, steps, n)
-            Inputs in the FMU's units, constant over each step.
-        step, h : float
-            Length of each step [s], > 0, by either name.
-        out : ndarray of float64, shape (count, steps, m), optional
-            Where the outputs go. Default: a new array.
+        u : Inputs in the FMU's units, constant over each step, shape (count, steps, n).
+        step, h : Length of each step [s], > 0, by either name.
+        out : Where the outputs go. Default: a new array, shape (count, steps, m).
 
         Returns
         -------
@@ -261,8 +250,7 @@ class Fleet(ProcessBound):
 
         Parameters
         ----------
-        instances : array_like of int or of bool with shape (count,), optional
-            Numbers of the instances, or which instances. Default: all.
+        instances : Numbers of the instances, or which instances. Default: all, shape (count,).
         parameters : mapping of str to value, optional
             Start values that replace earlier ones of these instances: one value, or of shape (count,).
         """
@@ -278,8 +266,7 @@ class Fleet(ProcessBound):
 
         Parameters
         ----------
-        name : str
-            A real, integer or boolean variable.
+        name : A real, integer or boolean variable.
 
         Returns
         -------
@@ -302,12 +289,9 @@ class Fleet(ProcessBound):
 
         Parameters
         ----------
-        name : str
-            Name of the variable.
-        values : value, or array_like of shape (count,)
-            In the variable's unit.
-        instances : array_like of int or of bool with shape (count,), optional
-            Numbers of the instances, or which instances. Default: all.
+        name : Name of the variable.
+        values : In the variable's unit, shape (count,).
+        instances : Numbers of the instances, or which instances. Default: all, shape (count,).
         """
         layout = Layout([self._variable(name)], {name: values}, self.count)
         self._change("fleet_set", layout, chosen_instances(instances, self.count))
@@ -329,8 +313,7 @@ class Fleet(ProcessBound):
 
         Parameters
         ----------
-        instances : array_like of int or of bool with shape (count,), optional
-            Numbers of the instances, or which instances. Default: all.
+        instances : Numbers of the instances, or which instances. Default: all, shape (count,).
 
         Returns
         -------
@@ -350,10 +333,8 @@ class Fleet(ProcessBound):
 
         Parameters
         ----------
-        state : FleetState
-            From `save` of this fleet.
-        instances : array_like of int or of bool with shape (count,), optional
-            Which of the saved instances. Default: all of them.
+        state : From `save` of this fleet.
+        instances : Which of the saved instances. Default: all of them, shape (count,).
         """
         if not isinstance(state, FleetState) or state._core is not self._core:
             raise FmuError(f"restore({state!r}): allowed is a FleetState from save of this fleet")

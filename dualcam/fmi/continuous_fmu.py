@@ -22,11 +22,10 @@ class ContinuousFmu(Handle):
 
     Parameters
     ----------
-    source : str or Path
+    source
         "forward" for this package's own FMU, or the path of any FMU of FMI 2.0 or FMI 3.0 that has model
         exchange.
-    fmi : {2, 3}, optional
-        Version of FMI of a named FMU. Default: 2.
+    fmi : Version of FMI of a named FMU, one of 2, 3. Default: 2.
 
     Raises
     ------
@@ -56,12 +55,7 @@ class ContinuousFmu(Handle):
     def start(self, parameters: Mapping[str, Scalar] | None = None, time: float = 0.0) -> None:
         """Begin in continuous-time mode. FmuError without inertia, too: then speed is no state.
 
-        Parameters
-        ----------
-        parameters : mapping of str to float, int, bool or str, optional
-            Start values of parameters and inputs, in their units.
-        time : float
-            Start time [s].
+        `parameters`: start values of parameters and inputs, in their units. `time`: start time [s].
         """
         self._begin({} if parameters is None else parameters, time, None)
         self._instance.call(self._instance.EXIT_INITIALIZATION)
@@ -77,10 +71,7 @@ class ContinuousFmu(Handle):
     def set_states(self, states: ArrayLike) -> None:
         """Set the states in the present mode.
 
-        Parameters
-        ----------
-        states : array_like, shape (states,)
-            theta [rad] and omega [rad/s] of the forward FMU.
+        `states`: theta [rad] and omega [rad/s] of the forward FMU, shape (states,).
         """
         self._instance.require_calls_allowed()
         self._states[:] = real_array(states, "states", FmuError, (len(self._states),)).tolist()
@@ -89,10 +80,7 @@ class ContinuousFmu(Handle):
     def set_states_and_mode(self, states: ArrayLike) -> None:
         """Set the states, and carry out the mode changes due there.
 
-        Parameters
-        ----------
-        states : array_like, shape (states,)
-            theta [rad] and omega [rad/s] of the forward FMU.
+        `states`: theta [rad] and omega [rad/s] of the forward FMU, shape (states,).
         """
         self.set_states(states)
         self.enter_event_mode()
@@ -121,13 +109,7 @@ class ContinuousFmu(Handle):
         return values[:]
 
     def set_time(self, time: float) -> None:
-        """Set the time at which the next values are computed.
-
-        Parameters
-        ----------
-        time : float
-            Time [s].
-        """
+        """Set the time at which the next values are computed. `time` [s]."""
         self._instance.require_calls_allowed()
         time = number_of(time, "time")
         self._instance.call(self._instance.named("SetTime"), c_double(time))

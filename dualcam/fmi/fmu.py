@@ -36,10 +36,8 @@ class Fmu(Handle):
 
     Parameters
     ----------
-    source : str or Path
-        "forward" or "inverse" for this package's own FMUs, or the path of any FMU of FMI 2.0 or FMI 3.0.
-    fmi : {2, 3}, optional
-        Version of FMI of a named FMU. Default: 2. The file at a path says its version itself.
+    source : "forward" or "inverse" for this package's own FMUs, or the path of any FMU of FMI 2.0 or FMI 3.0.
+    fmi : Version of FMI of a named FMU, one of 2, 3. Default: 2. The file at a path says its version itself.
 
     Raises
     ------
@@ -69,14 +67,8 @@ class Fmu(Handle):
     ) -> None:
         """Begin a run. All variables that are not named get their default start values.
 
-        Parameters
-        ----------
-        parameters : mapping of str to float, int, bool or str, optional
-            Start values of parameters and inputs, in their units.
-        time : float
-            Start time [s].
-        tolerance : float, optional
-            Relative tolerance of the FMU's integrator. None: the FMU's default, here 1e-9.
+        `parameters`: start values of parameters and inputs, in their units. `time`: start time [s].
+        `tolerance`: relative tolerance of the FMU's integrator. None: the FMU's default, here 1e-9.
         """
         self._begin({} if parameters is None else parameters, time, tolerance)
         self._instance.call(self._instance.EXIT_INITIALIZATION)
@@ -85,15 +77,8 @@ class Fmu(Handle):
     def step(self, step: float | None = None, *, size: float | None = None) -> None:
         """Advance with the inputs as they were last written.
 
-        Parameters
-        ----------
-        step, size : float
-            Length of the step [s], > 0, by either name.
-
-        Raises
-        ------
-        FmuError
-            `step` is no finite number > 0, no run has begun, or the FMU refuses the step.
+        `step`, `size`: length of the step [s], > 0, by either name. FmuError: `step` is no finite number > 0,
+        no run has begun, or the FMU refuses the step.
         """
         instance = self._instance
         if type(step) is not float or not 0.0 < step < math.inf:
@@ -110,12 +95,9 @@ class RepeatedStart:
 
     Parameters
     ----------
-    fmu : Fmu
-        The instance that makes the runs.
-    parameters : mapping of str to float, int, bool or str
-        Start values that all runs share, as in `Fmu.start`.
-    names : sequence of str, shape (n,)
-        Real start values, of parameters or inputs, that differ between the runs.
+    fmu : The instance that makes the runs.
+    parameters : Start values that all runs share, as in `Fmu.start`.
+    names : Real start values, of parameters or inputs, that differ between the runs, shape (n,).
 
     Examples
     --------
@@ -146,22 +128,13 @@ class RepeatedStart:
     def initialize(self, values: ArrayLike) -> None:
         """Back to initialization mode with these start values, where variables that need no step can be read.
 
-        Parameters
-        ----------
-        values : array_like, shape (n,)
-            Start values in the order of `names`.
+        `values`: start values in the order of `names`, shape (n,).
         """
         self.fmu.restore_state(self._state)
         self.start_values.values = values
         self.start_values.write()
 
     def start(self, values: ArrayLike) -> None:
-        """Begin a run at 0 s.
-
-        Parameters
-        ----------
-        values : array_like, shape (n,)
-            Start values in the order of `names`.
-        """
+        """Begin a run at 0 s. `values`: start values in the order of `names`, shape (n,)."""
         self.initialize(values)
         self.fmu._instance.call(self.fmu._instance.EXIT_INITIALIZATION)

@@ -49,12 +49,9 @@ class Handle(ProcessBound):
 
     Attributes
     ----------
-    path : Path
-        The file.
-    description : ModelDescription
-        What the FMU says about itself.
-    parameters : dict
-        Start values of the last `start`.
+    path : The file.
+    description : What the FMU says about itself.
+    parameters : Start values of the last `start`.
     """
 
     _use: Use
@@ -142,16 +139,7 @@ class Handle(ProcessBound):
     def variable(self, name: str, *kinds: Kind) -> Variable:
         """The description of a variable. FmuError where the variable is of another kind.
 
-        Parameters
-        ----------
-        name : str
-            Name of the variable.
-        *kinds : {"real", "integer", "boolean", "string"}
-            Allowed kinds. None given: all.
-
-        Returns
-        -------
-        Variable
+        `name` of the variable. `kinds`: allowed kinds, of "real", "integer", "boolean", "string". None: all.
         """
         if not isinstance(name, str):
             raise UnknownVariableError(f"variable {name!r}: allowed is the name of one variable, a text")
@@ -163,62 +151,29 @@ class Handle(ProcessBound):
         return variable
 
     def reals(self, *names: str) -> Reals:
-        """A group of real variables that is read or written often. FmuError where a name stands twice.
-
-        Parameters
-        ----------
-        *names : str
-            Names of real variables.
-
-        Returns
-        -------
-        Reals
-            With its own buffer.
+        """A group of real variables that is read or written often, with its own buffer. FmuError where a name
+        stands twice. `names` of real variables.
         """
         return Reals(self._instance, names, self._references(names_of(names, "names")))
 
     def get(self, name: str) -> Scalar:
-        """The value of one variable of any kind, for use outside the loop.
-
-        Parameters
-        ----------
-        name : str
-            Name of the variable.
-
-        Returns
-        -------
-        float, int, bool or str
-            In the variable's unit.
+        """The value of one variable of any kind, for use outside the loop: in the variable's unit. `name` of
+        the variable.
         """
         variable = self.variable(name)
         self._instance.require_calls_allowed()
         return self._instance.get(variable)
 
     def real(self, name: str) -> float:
-        """The value of one real variable, as `get`.
-
-        Parameters
-        ----------
-        name : str
-            Name of the variable.
-
-        Returns
-        -------
-        float
-            In the variable's unit.
-        """
+        """The value of one real variable, as `get`: in the variable's unit. `name` of the variable."""
         self.variable(name, "real")
         return float(self.get(name))
 
     def set(self, name: str, value: Scalar) -> None:
         """Set one variable of any kind, for use outside the loop: inputs and tunable parameters.
 
-        Parameters
-        ----------
-        name : str
-            Name of the variable.
-        value : float, int, bool or str
-            In the variable's unit. FmuError where the value does not suit the variable's type.
+        `name` of the variable. `value`: in the variable's unit. FmuError where the value does not suit the
+        variable's type.
         """
         self.variable(name)
         self._instance.require_calls_allowed()
@@ -238,45 +193,21 @@ class Handle(ProcessBound):
             raise
 
     def jacobian(self, unknowns: Names, knowns: Names) -> Array:
-        """Partial derivatives at the present point. FmuError where the FMU has no such derivative.
+        """Partial derivatives at the present point. FmuError where the FMU has no such derivative. In
+        the unit of the unknown per unit of the known, shape (n, m).
 
-        Parameters
-        ----------
-        unknowns : sequence of str, shape (n,)
-            Outputs and derivatives of states (`alpha`).
-        knowns : sequence of str, shape (m,)
-            Inputs, states (`theta`, `omega`) and tunable parameters.
-
-        Returns
-        -------
-        ndarray, shape (n, m)
-            In the unit of the unknown per unit of the known.
-
-        Examples
-        --------
-        >>> from dualcam import Fmu
-        >>> with Fmu("forward") as fmu:
-        ...     fmu.start({"initial.theta": 0.5, "tau": 9.0, "inertia.shaft": 0.01})
-        ...     fmu.jacobian(["alpha"], ["tau", "F_ext"]).round(3).tolist()  # rad/s2 per N.m, per N
-        [[100.0, -1.326]]
+        `unknowns`: outputs and derivatives of states (`alpha`), shape (n,). `knowns`: inputs, states
+        (`theta`, `omega`) and tunable parameters, shape (m,).
         """
         unknowns, knowns = names_of(unknowns, "unknowns"), names_of(knowns, "knowns")
         columns = [self.directional_derivative(unknowns, [known], [1.0]) for known in knowns]
         return np.reshape(columns, (len(knowns), len(unknowns))).T
 
     def directional_derivative(self, unknowns: Names, knowns: Names, seed: ArrayLike) -> Array:
-        """Product of the partial derivatives with a direction: jacobian(unknowns, knowns) @ seed.
+        """Product of the partial derivatives with a direction: jacobian(unknowns, knowns) @ seed, shape
+        (n,).
 
-        Parameters
-        ----------
-        unknowns, knowns : sequence of str, shapes (n,) and (m,)
-            As in `jacobian`.
-        seed : array_like, shape (m,)
-            The direction, in the units of the knowns.
-
-        Returns
-        -------
-        ndarray, shape (n,)
+        `unknowns`, `knowns`: as in `jacobian`. `seed`: the direction, in the units of the knowns, shape (m,).
         """
         unknowns, knowns = names_of(unknowns, "unknowns"), names_of(knowns, "knowns")
         rows, columns = self._references(unknowns), self._references(knowns)
@@ -297,12 +228,8 @@ class Handle(ProcessBound):
         return (c_uint * len(names))(*(variable.value_reference for variable in variables))
 
     def save_state(self) -> FmuState:
-        """The whole state of the instance now. FmuError where the FMU cannot save its state.
-
-        Returns
-        -------
-        FmuState
-            For `restore_state` of this instance.
+        """The whole state of the instance now, for `restore_state` of this instance. FmuError where the
+        FMU cannot save its state.
         """
         self._instance.require_calls_allowed()
         if not self.interface.can_save_state:
@@ -310,12 +237,8 @@ class Handle(ProcessBound):
         return FmuState(self._instance, self._instance.save_state(), self._time)
 
     def restore_state(self, state: FmuState) -> None:
-        """Go back to a saved state, with its `time`. FmuError for a state of another instance.
-
-        Parameters
-        ----------
-        state : FmuState
-            From `save_state` of this instance.
+        """Go back to a saved state, with its `time`. FmuError for a state of another instance. `state`: from
+        `save_state` of this instance.
         """
         if not isinstance(state, FmuState):
             raise FmuError(f"restore_state({state!r}): allowed is a state from save_state")

@@ -10,19 +10,10 @@ PACKAGE = Path(__file__).resolve().parents[1]
 
 
 def fmu_path(kind: str, fmi: int = 2) -> Path:
-    """Path of one of this package's FMUs. FmuError where a checkout has not been built yet.
+    """Path of one of this package's FMUs. FmuError where a checkout has not been built yet. Returns the FMU
+    inside the installed package, or that of the build folder of a checkout.
 
-    Parameters
-    ----------
-    kind : {"forward", "inverse"}
-        "forward": torque in, motion out. "inverse": motion in, torque out.
-    fmi : {2, 3}
-        Version of FMI: 2.0 or 3.0.
-
-    Returns
-    -------
-    Path
-        The FMU inside the installed package, or that of the build folder of a checkout.
+    `kind`: "forward": torque in, motion out; "inverse": motion in, torque out. `fmi`: version, 2 or 3.
 
     Examples
     --------

@@ -34,20 +34,15 @@ class Variable:
     Attributes
     ----------
     name, description : str
-    value_reference : int
-        The number by which FMI calls name the variable.
-    type : str
-        As in the XML: "Real", "Integer" and so on in FMI 2.0; "Float64", "Int32" and so on in FMI 3.0.
-    causality, variability, initial : str
+    value_reference : The number by which FMI calls name the variable.
+    type : As in the XML: "Real", "Integer" and so on in FMI 2.0; "Float64", "Int32" and so on in FMI 3.0.
+    causality, variability, initial
         FMI's words, such as "parameter", "tunable", "exact"; `initial` is None for the independent variable.
-    start : float, int, bool, str or None
-        Start value by type. None without start value, and of arrays and binary variables.
-    min, max, unit : float, int, str or None
+    start : Start value by type. None without start value, and of arrays and binary variables.
+    min, max, unit
         Limits of allowed values, and unit; those of the declared type where the variable itself has none.
-    declared_type : str or None
-        Name of the declared type.
-    is_array : bool
-        FMI 3.0 has arrays.
+    declared_type : Name of the declared type.
+    is_array : FMI 3.0 has arrays.
     """
 
     name: str
@@ -101,17 +96,13 @@ class ModelDescription:
 
     Attributes
     ----------
-    fmi_version : str
-        "2.0", "3.0", ...
+    fmi_version : "2.0", "3.0", ...
     model_name, description : str
-    guid : str
-        Identity of the model; FMI 3.0 says instantiation token.
-    variables : tuple of Variable
-        In the order of the XML.
-    co_simulation, model_exchange : Interface or None
-        None: the FMU has no such use.
+    guid : Identity of the model; FMI 3.0 says instantiation token.
+    variables : In the order of the XML.
+    co_simulation, model_exchange : None: the FMU has no such use.
     default_experiment : DefaultExperiment
-    state_count, event_indicator_count : int
+    state_count, event_indicator_count
         Numbers of continuous states and of event indicators, for model exchange.
     """
 
@@ -135,14 +126,7 @@ class ModelDescription:
 def read_model_description(path: str | Path) -> ModelDescription:
     """Read the modelDescription.xml of an FMU.
 
-    Parameters
-    ----------
-    path : str or Path
-        An FMU of FMI 2.0 or FMI 3.0. FmuError for anything else.
-
-    Returns
-    -------
-    ModelDescription
+    `path`: an FMU of FMI 2.0 or FMI 3.0. FmuError for anything else.
 
     Examples
     --------

@@ -20,11 +20,10 @@ class Reals(ProcessBound):
 
     Attributes
     ----------
-    names : tuple of str
-        Names of the variables.
-    values : ndarray, shape (n,)
-        The buffer, in the order of `names` and in the FMU's units. `read` fills the buffer, `write` sends it
-        to the FMU. Assigning to `values` copies into the buffer.
+    names : Names of the variables.
+    values
+        The buffer, in the order of `names` and in the FMU's units, shape (n,). `read` fills the buffer,
+        `write` sends it to the FMU. Assigning to `values` copies into the buffer.
 
     Examples
     --------
@@ -67,12 +66,8 @@ class Reals(ProcessBound):
         self._values[:] = real_array(new, "values", FmuError, self._values.shape)
 
     def read(self) -> list[float]:
-        """Fetch the group from the FMU into `values`.
-
-        Returns
-        -------
-        list of float
-            The n values as plain floats, which are the fastest for scalar code.
+        """Fetch the group from the FMU into `values`. Returns the n values as plain floats, which are the
+        fastest for scalar code.
         """
         instance = self._instance
         status = instance.get_real(*self._arguments)
@@ -88,17 +83,10 @@ class Reals(ProcessBound):
             instance.check(status, instance.SET_REAL)
 
     def read_derivatives(self, order: int) -> list[float]:
-        """Time derivatives of the group, whose variables are all outputs; else an FmuError.
+        """Time derivatives of the group, whose variables are all outputs; else an FmuError. Returns the n
+        derivatives, in the variable's unit per s or per s2.
 
-        Parameters
-        ----------
-        order : {1, 2}
-            Order of the derivatives.
-
-        Returns
-        -------
-        list of float
-            The n derivatives, in the variable's unit per s or per s2.
+        `order` of the derivatives, 1 or 2.
         """
         self._instance.require_calls_allowed()
         derivatives = (c_double * len(self.names))()
@@ -108,14 +96,9 @@ class Reals(ProcessBound):
     def write_derivatives(self, order: int, values: Sequence[float]) -> None:
         """Set time derivatives of the group, whose variables are all inputs, for the next step only.
 
-        FmuError for other variables, and in FMI 3.0, which has no derivatives of inputs.
-
-        Parameters
-        ----------
-        order : {1, 2, 3}
-            Order of the derivatives.
-        values : sequence of float, shape (n,)
-            The derivatives, in the variable's unit per s, s2 or s3.
+        FmuError for other variables, and in FMI 3.0, which has no derivatives of inputs. `order` of the
+        derivatives, one of 1, 2, 3. `values`: the derivatives, in the variable's unit per s, s2 or s3, shape
+        (n,).
         """
         self._instance.require_calls_allowed()
         given = real_array(values, "values", FmuError, self._values.shape)

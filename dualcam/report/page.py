@@ -51,8 +51,7 @@ def write_report(design: DesignSource, path: str | Path) -> Path:
     ----------
     design : DesignFile, str or Path
         The design, from `read_design`, or the path of its file. Without a scenario there is no simulation.
-    path : str or Path
-        The HTML file.
+    path : The HTML file.
 
     Returns
     -------

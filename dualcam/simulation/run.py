@@ -52,10 +52,8 @@ class Trajectory:
 
     Attributes
     ----------
-    names : tuple of str
-        Names of the n columns; the first is `time`.
-    values : ndarray, shape (samples, n)
-        In the FMU's units; time in s.
+    names : Names of the n columns; the first is `time`.
+    values : In the FMU's units; time in s, shape (samples, n).
     """
 
     names: tuple[str, ...]
@@ -66,8 +64,7 @@ class Trajectory:
 
         Parameters
         ----------
-        name : str
-            Name of the column.
+        name : Name of the column.
 
         Returns
         -------
@@ -108,8 +105,7 @@ class Trajectory:
 
         Parameters
         ----------
-        path : str or Path
-            A name that ends in .csv or .parquet.
+        path : A name that ends in .csv or .parquet.
 
         Raises
         ------
@@ -171,16 +167,11 @@ def simulate(
     variables : sequence of str
         Names of numeric variables to record; none: inputs, outputs, and of a design torque band, reactions
         and energies.
-    scenario : dualcam.study.Scenario, optional
-        What is done, instead of the [scenario] of the design. An FMU needs one.
-    output_interval : float, optional
-        Time between two samples [s]. None: that of the design, else a thousandth of the whole.
-    parameters : mapping, optional
-        Start values that replace those of the design, in the FMU's units.
-    fmu : str or Path, optional
-        For a design, another FMU than the one of this package, such as an exported one.
-    progress : function, optional
-        Called with the share of the time that is done, 0 to 1.
+    scenario : What is done, instead of the [scenario] of the design. An FMU needs one.
+    output_interval : Time between two samples [s]. None: that of the design, else a thousandth of the whole.
+    parameters : Start values that replace those of the design, in the FMU's units.
+    fmu : For a design, another FMU than the one of this package, such as an exported one.
+    progress : Called with the share of the time that is done, 0 to 1.
 
     Returns
     -------

@@ -245,12 +245,9 @@ def export_ssp(design: DesignSource, path: str | Path, step: float = 1e-3, *, po
 
     Parameters
     ----------
-    design : DesignFile, str or Path
-        The design, from `read_design`, or the path of its file.
-    path : str or Path
-        The package, a name that ends in .ssp.
-    step : float
-        Communication step [s] that the package proposes.
+    design : The design, from `read_design`, or the path of its file.
+    path : The package, a name that ends in .ssp.
+    step : Communication step [s] that the package proposes.
     ports : bool
         Whether the inputs and outputs of the cam are connectors of the system, too. SSP 1.0 allows them. FMPy
         0.3.32 needs them; ecos 0.7.2 and libcosim 0.11 do not load a package that has them.

@@ -46,19 +46,14 @@ class Study:
 
     Parameters
     ----------
-    fmu : str or Path
-        "forward", "inverse", or the path of an FMU of FMI 2.0 or FMI 3.0.
-    plan : Plan
-        Which values the runs have.
-    scenario : Scenario
-        What is done in each run.
+    fmu : "forward", "inverse", or the path of an FMU of FMI 2.0 or FMI 3.0.
+    plan : Which values the runs have.
+    scenario : What is done in each run.
     results : sequence of str
         What is read in each run, such as "theta", at the end, "theta@0.2", at 0.2 s, or
         "top = max(theta, every=0.01)". docs/use-study-results.md, "What can be read", lists all kinds.
-    parameters : mapping of str to float, int, bool or str
-        Start values that are the same in every run.
-    plots : sequence of mapping
-        Pictures for `dualcam study`, as in the section [[plots]] of a plan.
+    parameters : Start values that are the same in every run.
+    plots : Pictures for `dualcam study`, as in the section [[plots]] of a plan.
 
     Raises
     ------
@@ -125,14 +120,10 @@ class Study:
             Processes of this machine. 0: in this process. None: as many as there are processors; in this
             process where all runs of an FMU of this package take less than 2 s, or where this process is a
             worker of multiprocessing.Pool.
-        scheduler : str or distributed.Client, optional
-            A Dask cluster is used instead: address of its scheduler, or a client.
-        file_format : {"parquet", "csv"}, optional
-            None: "parquet" if pyarrow is installed.
-        runs_per_file : int, optional
-            Most runs in a file of results.
-        console : rich.console.Console, optional
-            Shows the progress.
+        scheduler : A Dask cluster is used instead: address of its scheduler, or a client.
+        file_format : "parquet" or "csv". None: "parquet" if pyarrow is installed.
+        runs_per_file : Most runs in a file of results.
+        console : Shows the progress.
 
         Returns
         -------
@@ -163,8 +154,7 @@ class Study:
         ----------
         folder, workers, scheduler, file_format, runs_per_file, console
             As in `run`.
-        on_file_written : callable
-            Is called without arguments after each file of results.
+        on_file_written : Is called without arguments after each file of results.
 
         Raises
         ------

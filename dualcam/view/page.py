@@ -40,10 +40,8 @@ def write_view(design: DesignSource | None, path: str | Path) -> Path:
 
     Parameters
     ----------
-    design : DesignFile, str, Path or None
-        The design, from `read_design`, or the path of its file. None: the default mechanism of the FMU.
-    path : str or Path
-        The HTML file. An existing file is replaced.
+    design : The design, from `read_design`, or the path of its file. None: the default mechanism of the FMU.
+    path : The HTML file. An existing file is replaced.
 
     Returns
     -------

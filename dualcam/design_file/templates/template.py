@@ -22,12 +22,9 @@ def write_template(name: str, path: str | Path, overwrite: bool = False) -> Path
 
     Parameters
     ----------
-    name : {"minimal", "robot", "knee", "door"}
-        Which design.
-    path : str or Path
-        The file to write, such as `my.toml`.
-    overwrite : bool
-        Whether an existing file may be replaced.
+    name : Which design: "minimal", "robot", "knee" or "door".
+    path : The file to write, such as `my.toml`.
+    overwrite : Whether an existing file may be replaced.
 
     Returns
     -------

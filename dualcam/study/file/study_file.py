@@ -43,8 +43,7 @@ def read_study(path: str | Path) -> Study:
 
     Parameters
     ----------
-    path : str or Path
-        A plan, or a design file with a section [study]. Paths in the file are relative to the file.
+    path : A plan, or a design file with a section [study]. Paths in the file are relative to the file.
 
     Returns
     -------

@@ -26,14 +26,10 @@ class FmuRuns:
 
     Parameters
     ----------
-    fmu : str or Path
-        "forward", "inverse", or the path of an FMU of FMI 2.0 or FMI 3.0.
-    scenario : Scenario
-        What is done in each run.
-    parameters : mapping of str to float, int, bool or str
-        Start values that are the same in every run.
-    derived : mapping of str to str
-        Formulas over the varied values, by the name of what gets their value, as in `Plan`.
+    fmu : "forward", "inverse", or the path of an FMU of FMI 2.0 or FMI 3.0.
+    scenario : What is done in each run.
+    parameters : Start values that are the same in every run.
+    derived : Formulas over the varied values, by the name of what gets their value, as in `Plan`.
     conditions : mapping of str to str
         Formulas over the varied values that must be true, by a name of theirs: a design that violates one is
         not run.
@@ -61,10 +57,8 @@ class Deviation:
 
     Parameters
     ----------
-    plus_minus : float
-        Half-width of the limits, in the unit of the parameter.
-    shape : {"normal", "uniform", "triangular"}
-        As in `dualcam.design.tolerances.Tolerance.within`.
+    plus_minus : Half-width of the limits, in the unit of the parameter.
+    shape : As in `dualcam.design.tolerances.Tolerance.within`: "normal", "uniform" or "triangular".
 
     Examples
     --------
@@ -90,8 +84,7 @@ class Deviation:
 
         Parameters
         ----------
-        nominal : float
-            Value of the design.
+        nominal : Value of the design.
 
         Returns
         -------

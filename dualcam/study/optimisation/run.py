@@ -47,17 +47,14 @@ def optimise(
 
     Parameters
     ----------
-    task : Optimisation
-        What is wanted.
+    task : What is wanted.
     folder : str or Path, optional
         Folder of the results. A search that was interrupted continues there: no design is evaluated twice,
         and the end is that of an uninterrupted search, bit for bit.
     workers : int
         Processes that share the runs of a batch. 0: all in this process. Values do not depend on `workers`.
-    scheduler : str or distributed.Client, optional
-        Dask workers are used instead, for runs of an FMU: address of the scheduler, or a client.
-    console : rich.console.Console, optional
-        Shows the progress.
+    scheduler : Dask workers are used instead, for runs of an FMU: address of the scheduler, or a client.
+    console : Shows the progress.
 
     Returns
     -------

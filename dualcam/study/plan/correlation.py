@@ -32,12 +32,9 @@ class Correlation:
 
     Parameters
     ----------
-    first, second : str
-        Names of two variables that vary.
-    value : float
-        Correlation, above -1 and below 1.
-    kind : {"rank", "pearson"}
-        "rank": Spearman's correlation of the ranks. "pearson": Pearson's correlation of the values.
+    first, second : Names of two variables that vary.
+    value : Correlation, above -1 and below 1.
+    kind : "rank": Spearman's correlation of the ranks. "pearson": Pearson's correlation of the values.
 
     Examples
     --------
@@ -56,8 +53,7 @@ class Correlation:
 
         Parameters
         ----------
-        vary : mapping of str to Vary
-            What varies, by name.
+        vary : What varies, by name.
 
         Returns
         -------

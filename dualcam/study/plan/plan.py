@@ -30,31 +30,23 @@ class Plan(PlanFields):
         "latin": `runs` runs of a Latin hypercube. "sobol": `runs` runs of a scrambled Sobol sequence.
         "indices": the runs for Sobol's indices, see Notes. "saltelli", "morris", "fast": the runs that
         SALib's analysers take. "table": the rows of `table`.
-    vary : mapping of str to Vary
-        Values by the name: of a variable of the FMU, or of a number for the scenario, a formula or a law.
+    vary : Values by the name: of a variable of the FMU, or of a number for the scenario, a formula or a law.
     runs : int
         Number of runs of "random", "latin" and "sobol"; a power of 2 for "indices" and "saltelli";
         trajectories of "morris"; runs of each variable of "fast".
-    seed : int
-        Start of the random numbers, 0 or more.
+    seed : Start of the random numbers, 0 or more.
     table : array_like, shape (runs, variables), optional
         Of "table": values, columns in the order of `vary`. Of texts: their places.
-    same_as : mapping of str to str
-        Variables that get the value of another one in every run.
-    derived : mapping of str to str
-        Formulas, by the name of what gets their value, over the other names.
-    constraints : mapping of str to str
-        Formulas that must be true in every run, by a name of theirs.
+    same_as : Variables that get the value of another one in every run.
+    derived : Formulas, by the name of what gets their value, over the other names.
+    constraints : Formulas that must be true in every run, by a name of theirs.
     on_violation : {"redraw", "mark"}
         What becomes of a run that violates a constraint: it is drawn again, up to 1000 times, or it is not
         made and its message names the constraint. Only runs of "random", "latin" and "sobol" can be drawn
         again.
-    correlations : sequence of Correlation
-        Correlations of "random", "latin" and "sobol", by a Gaussian copula.
-    second_order : bool
-        Of "saltelli": whether the runs are there for second-order indices.
-    levels : int
-        Of "morris": levels of each variable, an even number.
+    correlations : Correlations of "random", "latin" and "sobol", by a Gaussian copula.
+    second_order : Of "saltelli": whether the runs are there for second-order indices.
+    levels : Of "morris": levels of each variable, an even number.
 
     Raises
     ------
@@ -117,8 +109,7 @@ class Plan(PlanFields):
 
         Parameters
         ----------
-        path : str or Path
-            File with a column for each variable, in the FMU's units.
+        path : File with a column for each variable, in the FMU's units.
 
         Returns
         -------
@@ -138,10 +129,8 @@ class Plan(PlanFields):
 
         Parameters
         ----------
-        columns : mapping of str to sequence, shape (runs,)
-            Numbers in the FMU's units, or texts, by the name of the variable.
-        folder : Path, optional
-            Where relative paths among the texts start; None: the current folder.
+        columns : Numbers in the FMU's units, or texts, by the name of the variable, shape (runs,).
+        folder : Where relative paths among the texts start; None: the current folder.
 
         Returns
         -------
@@ -176,10 +165,8 @@ class Plan(PlanFields):
 
         Parameters
         ----------
-        problem : mapping
-            `names`, `bounds`, and `dists` if not all are uniform, as SALib has them.
-        kind : str
-            Kind of the plan, such as "saltelli", "morris" or "fast".
+        problem : `names`, `bounds`, and `dists` if not all are uniform, as SALib has them.
+        kind : Kind of the plan, such as "saltelli", "morris" or "fast".
         runs, seed
             As in `Plan`.
         **options
@@ -226,10 +213,8 @@ class Plan(PlanFields):
 
         Parameters
         ----------
-        name : str
-            One of `names`. Of a derived one the share is that of the first runs, 10,000 at most.
-        least, most : float
-            Ends of the range, which are allowed.
+        name : One of `names`. Of a derived one the share is that of the first runs, 10,000 at most.
+        least, most : Ends of the range, which are allowed.
 
         Returns
         -------
@@ -247,8 +232,7 @@ class Plan(PlanFields):
 
         Parameters
         ----------
-        start, stop : int
-            First run, and the run after the last one.
+        start, stop : First run, and the run after the last one.
 
         Returns
         -------

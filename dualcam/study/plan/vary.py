@@ -29,18 +29,13 @@ class Vary:
     count : int
         Of a grid: values from `low` to `high`, both included, 2 or more. With `distribution`: the middles of
         so many parts of equal probability.
-    log : bool
-        Whether the values are spread evenly in the logarithm.
-    values : sequence of float, sequence of str, or Texts
-        These values, instead of a range. Texts are those of a String parameter.
-    distribution : str
-        "normal", or the name of a distribution of scipy.stats.
+    log : Whether the values are spread evenly in the logarithm.
+    values : These values, instead of a range. Texts are those of a String parameter.
+    distribution : "normal", or the name of a distribution of scipy.stats.
     arguments : mapping of str to float
         Arguments of the distribution: `mean` and `std` of "normal"; others by their names in scipy.stats.
-    weights : sequence of float
-        Of `values`: how often each is drawn, relative to the others; equally often if not given.
-    unit : str
-        Of a name that is no variable of the FMU: for labels.
+    weights : Of `values`: how often each is drawn, relative to the others; equally often if not given.
+    unit : Of a name that is no variable of the FMU: for labels.
 
     Examples
     --------
@@ -69,8 +64,7 @@ class Vary:
 
         Parameters
         ----------
-        in_grid : bool
-            Whether the plan is a grid, which needs a count.
+        in_grid : Whether the plan is a grid, which needs a count.
 
         Returns
         -------
@@ -177,8 +171,7 @@ class Vary:
 
         Parameters
         ----------
-        least, most : float
-            Ends of the range, which count as inside.
+        least, most : Ends of the range, which count as inside.
 
         Returns
         -------
@@ -205,8 +198,7 @@ class Vary:
 
         Parameters
         ----------
-        share : ndarray, shape (n,)
-            Shares in [0, 1].
+        share : Shares in [0, 1], shape (n,).
 
         Returns
         -------

@@ -28,12 +28,9 @@ class Evaluator:
 
     Parameters
     ----------
-    study : Study
-        FMU, scenario, results and fixed parameters. Of the plan only `names` and limits are used.
-    workers : int
-        Processes of this machine. 0: in this process.
-    scheduler : str or distributed.Client, optional
-        Dask workers are used instead: address of the scheduler, or a client.
+    study : FMU, scenario, results and fixed parameters. Of the plan only `names` and limits are used.
+    workers : Processes of this machine. 0: in this process.
+    scheduler : Dask workers are used instead: address of the scheduler, or a client.
 
     Raises
     ------

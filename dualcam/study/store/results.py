@@ -25,14 +25,10 @@ class Results(dict[str, Column]):
 
     Parameters
     ----------
-    columns : mapping of str to ndarray
-        Columns by name.
-    study : mapping, optional
-        Plan, scenario, results, parameters and the checksum of the FMU.
-    versions : mapping of str to str, optional
-        Python and packages that made the first runs.
-    series : mapping of str to ndarray, shape (instants,), optional
-        The times [s] of each series.
+    columns : Columns by name.
+    study : Plan, scenario, results, parameters and the checksum of the FMU.
+    versions : Python and packages that made the first runs.
+    series : The times [s] of each series, shape (instants,).
 
     Examples
     --------
@@ -173,10 +169,8 @@ def read_results(folder: str | Path, columns: Sequence[str] | None = None) -> Re
 
     Parameters
     ----------
-    folder : str or Path
-        Folder of the study, or URL of a store that fsspec knows.
-    columns : sequence of str, optional
-        Names of columns. None: all.
+    folder : Folder of the study, or URL of a store that fsspec knows.
+    columns : Names of columns. None: all.
 
     Returns
     -------
