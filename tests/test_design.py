@@ -29,6 +29,7 @@ from dualcam.design import (
     hertz_pressure,
     optimum,
     synthesize,
+    torque_band,
 )
 from dualcam.errors import DesignError
 
@@ -42,6 +43,7 @@ LINEAR, CUBIC, SOFTENING, BARE = (
     Spring(0, 4e4),
 )
 HELIX = Helix(0.02, math.pi / 4)
+PAIR = Mechanism((HELIX, HELIX), (0.1, 0.1), LINEAR, UPPER)
 QUASI_STATIC = {"inertia.shaft": 0.0}
 
 
@@ -649,6 +651,8 @@ def test_example(tmp_path, capsys, monkeypatch):
     (lambda: Helix(0.02, 45.0), "lead_angle = 45.0: allowed .* degrees; 45 deg is 0.785398 rad"),
     (lambda: assess(Mechanism((HELIX, HELIX), (0.1, 0.1), LINEAR, UPPER), Pin(0.003, 0.008), points=0),
      "points = 0: allowed"),
+    (lambda: torque_band(PAIR, [0.1, 0.2]), r"points = \[0.1, 0.2\]: allowed is a whole number, 2 or more"),
+    (lambda: torque_band(PAIR, np.linspace(0.0, 1.0, 5)), "points = array.*: how many angles"),
 ])  # fmt: skip
 def test_what_makes_no_sense(wrong, message):
     with pytest.raises(DesignError, match=message):

@@ -82,11 +82,11 @@ def command(
     direction. Columns of the angular velocity (omega_rad/s) and of the axial force (F_ext_N) are optional.
     The table shows the fitted values with 95 % intervals. Warnings say what the data cannot tell apart.
     """
-    from dualcam.common.paths import page_path_of
+    from dualcam.common.paths import check_picture, page_path_of
     from dualcam.errors import IdentificationError
     from dualcam.identification import identify
     from dualcam.identification.unknowns import unknowns_of
-    from dualcam.plots.design import check_picture, save
+    from dualcam.plots.design import save
 
     if output is not None and output.resolve() != design_file.resolve():  # which is refused in any case
         refuse_to_overwrite(output, force)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from dualcam.common.entries import is_whole
 from dualcam.design.mechanism import Mechanism
 from dualcam.design.statics import Array
 from dualcam.errors import DesignError
@@ -80,11 +81,13 @@ def span(values: Array) -> str:
 def torque_band(mechanism: Mechanism, points: int = 181) -> TorqueBand:
     """The torque band at `points` angles evenly over the mechanism's range.
 
-    `mechanism`: grooves, friction, spring and range. `points`: number of angles, 2 or more. DesignError: for
-    fewer than 2 points.
+    `mechanism`: grooves, friction, spring and range. `points`: number of angles, 2 or more. DesignError:
+    `points` is no whole number, or below 2.
     """
-    if points < 2:
-        raise DesignError(f"points = {points}: allowed is 2 or more")
+    if not is_whole(points) or points < 2:
+        raise DesignError(
+            f"points = {points!r:.60}: allowed is a whole number, 2 or more: how many angles the band has"
+        )
     theta = mechanism.angles(points)
     configuration = mechanism.configuration(theta)
     force = mechanism.spring.force(configuration.z)
