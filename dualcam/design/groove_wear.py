@@ -88,6 +88,13 @@ class WornMechanism:
         """Torque to load that is lost, as a share of that of the new mechanism [1], shape (n,)."""
         return 1.0 - self.load / self.new_load
 
+    @property
+    def release_loss(self) -> Array:
+        """The same of the torque that releasing gives back, shape (n,); NaN where the new mechanism locks
+        itself."""
+        gives = self.new_release > 0.0
+        return np.where(gives, 1.0 - self.release / np.where(gives, self.new_release, 1.0), np.nan)
+
 
 @dataclass(frozen=True, eq=False)
 class Wear:
