@@ -670,3 +670,36 @@ def test_a_mechanism_has_two_grooves():
     groove = Helix(0.02, 0.7)
     with pytest.raises(DesignError, match="1 grooves: allowed are 2"):
         Mechanism((groove,), (0.1, 0.1), Spring(50.0, 1e4), 1.0)
+
+
+READ_AT = {
+    "band": lambda theta: PAIR.band(theta),
+    "torque": lambda theta: PAIR.torque(theta, "loading"),
+    "configuration": lambda theta: PAIR.configuration(theta),
+    "curvature": lambda theta: PAIR.curvature(theta),
+}
+
+
+@pytest.mark.parametrize("name", READ_AT)
+@pytest.mark.parametrize("theta, message", [
+    (2.0, r"theta = 2 rad: allowed are angles between the stops, 0 to 1\.3963 rad$"),
+    (-1e-6, r"theta = -1e-06 rad: allowed are angles between the stops"),
+    (45, r"theta = 45 rad: .*; this looks like degrees; 45 deg is 0\.785398 rad"),
+    ([0, 20, 40, 60, 80], r"theta = 80 rad: .*this looks like degrees; 80 deg is 1\.39626 rad"),
+])  # fmt: skip
+def test_angles_beyond_the_stops_are_refused(name, theta, message):
+    with pytest.raises(DesignError, match=message):
+        READ_AT[name](theta)
+
+
+def test_rounding_at_a_stop_is_no_angle_beyond_it():
+    ends = PAIR.band([0.0, UPPER])
+    assert PAIR.band([-2e-16, UPPER * (1.0 + 1e-12)]) == pytest.approx(np.array(ends), rel=1e-9)
+    assert PAIR.band([]) == pytest.approx(np.empty((2, 0)))
+
+
+def test_a_designed_torque_ends_at_the_stop():
+    design = synthesize(5.0, 1.2, Spring(400.0, 10e3))
+    for wrong in (design.torque, design.error):
+        with pytest.raises(DesignError, match=r"between the stops, 0 to 1\.2 rad; this looks like degrees"):
+            wrong(45.0)
