@@ -653,6 +653,8 @@ def test_example(tmp_path, capsys, monkeypatch):
      "points = 0: allowed"),
     (lambda: torque_band(PAIR, [0.1, 0.2]), r"points = \[0.1, 0.2\]: allowed is a whole number, 2 or more"),
     (lambda: torque_band(PAIR, np.linspace(0.0, 1.0, 5)), "points = array.*: how many angles"),
+    (lambda: efficiency_map((0.1, 0.1), points=[2, 3]), r"points = \[2, 3\]: allowed is a whole number"),
+    (lambda: assess(PAIR, Pin(0.003, 0.008), points=[2, 3]), r"points = \[2, 3\]: allowed is a whole number"),
 ])  # fmt: skip
 def test_what_makes_no_sense(wrong, message):
     with pytest.raises(DesignError, match=message):

@@ -6,10 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dualcam.common.entries import is_whole
 from dualcam.design.mechanism import Mechanism
-from dualcam.design.statics import Array
-from dualcam.errors import DesignError
+from dualcam.design.statics import Array, check_points
 
 NOT_LOCKING = "without torque the spring turns the cam back, a torque inside the band holds it"
 
@@ -84,10 +82,7 @@ def torque_band(mechanism: Mechanism, points: int = 181) -> TorqueBand:
     `mechanism`: grooves, friction, spring and range. `points`: number of angles, 2 or more. DesignError:
     `points` is no whole number, or below 2.
     """
-    if not is_whole(points) or points < 2:
-        raise DesignError(
-            f"points = {points!r:.60}: allowed is a whole number, 2 or more: how many angles the band has"
-        )
+    check_points(points, 2)
     theta = mechanism.angles(points)
     configuration = mechanism.configuration(theta)
     force = mechanism.spring.force(configuration.z)

@@ -21,7 +21,7 @@ import numpy as np
 
 from dualcam.design.hertz import Pin, relative_radius
 from dualcam.design.mechanism import POINTS, Mechanism, check_pair
-from dualcam.design.statics import Array
+from dualcam.design.statics import Array, check_points
 from dualcam.errors import DesignError
 
 if TYPE_CHECKING:
@@ -224,8 +224,7 @@ def wear(
     from scipy.integrate import simpson
 
     first, second = check_pair("wear rates", rates, 0.0)
-    if points < 5:
-        raise DesignError(f"points = {points}: allowed is 5 or more")
+    check_points(points, 5)
     theta = np.linspace(*mechanism.reach(), points)
     configuration = mechanism.configuration(theta)
     radius = np.array(mechanism.radius)[:, None]
