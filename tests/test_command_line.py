@@ -567,6 +567,8 @@ def test_a_groove_that_cannot_work_is_called_so(equal, capsys):
         (["simulate", "my.toml", "-o", "out.csv", "--plot", "p.png", "--variables", "tau"], "add theta"),
         (["simulate", "my.toml", "-o", "out.csv", "--fmu", str(fmu_path("inverse"))], "no input tau"),
         (["band", "my.toml", "-o", "out.csv", "--plot", "p.xyz"], ".png, .svg or .pdf"),
+        (["band", "my.toml", "--plot", "p.gif"], "p.gif: allowed are"),
+        (["simulate", "my.toml", "-o", "out.csv", "--plot", "p.gif"], "p.gif: allowed are"),
         (["info", "--variables", "sprung"], "'sprung'"),
         (["study", "my.toml"], "this design file has no section [study]"),
     ],

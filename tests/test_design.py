@@ -29,6 +29,7 @@ from dualcam.design import (
     hertz_pressure,
     optimum,
     synthesize,
+    torque_band,
 )
 from dualcam.errors import DesignError
 
@@ -42,6 +43,7 @@ LINEAR, CUBIC, SOFTENING, BARE = (
     Spring(0, 4e4),
 )
 HELIX = Helix(0.02, math.pi / 4)
+PAIR = Mechanism((HELIX, HELIX), (0.1, 0.1), LINEAR, UPPER)
 QUASI_STATIC = {"inertia.shaft": 0.0}
 
 
@@ -649,6 +651,10 @@ def test_example(tmp_path, capsys, monkeypatch):
     (lambda: Helix(0.02, 45.0), "lead_angle = 45.0: allowed .* degrees; 45 deg is 0.785398 rad"),
     (lambda: assess(Mechanism((HELIX, HELIX), (0.1, 0.1), LINEAR, UPPER), Pin(0.003, 0.008), points=0),
      "points = 0: allowed"),
+    (lambda: torque_band(PAIR, [0.1, 0.2]), r"points = \[0.1, 0.2\]: allowed is a whole number, 2 or more"),
+    (lambda: torque_band(PAIR, np.linspace(0.0, 1.0, 5)), "points = array.*: how many angles"),
+    (lambda: efficiency_map((0.1, 0.1), points=[2, 3]), r"points = \[2, 3\]: allowed is a whole number"),
+    (lambda: assess(PAIR, Pin(0.003, 0.008), points=[2, 3]), r"points = \[2, 3\]: allowed is a whole number"),
 ])  # fmt: skip
 def test_what_makes_no_sense(wrong, message):
     with pytest.raises(DesignError, match=message):
@@ -666,3 +672,36 @@ def test_a_mechanism_has_two_grooves():
     groove = Helix(0.02, 0.7)
     with pytest.raises(DesignError, match="1 grooves: allowed are 2"):
         Mechanism((groove,), (0.1, 0.1), Spring(50.0, 1e4), 1.0)
+
+
+READ_AT = {
+    "band": lambda theta: PAIR.band(theta),
+    "torque": lambda theta: PAIR.torque(theta, "loading"),
+    "configuration": lambda theta: PAIR.configuration(theta),
+    "curvature": lambda theta: PAIR.curvature(theta),
+}
+
+
+@pytest.mark.parametrize("name", READ_AT)
+@pytest.mark.parametrize("theta, message", [
+    (2.0, r"theta = 2 rad: allowed are angles between the stops, 0 to 1\.3963 rad$"),
+    (-1e-6, r"theta = -1e-06 rad: allowed are angles between the stops"),
+    (45, r"theta = 45 rad: .*; this looks like degrees; 45 deg is 0\.785398 rad"),
+    ([0, 20, 40, 60, 80], r"theta = 80 rad: .*this looks like degrees; 80 deg is 1\.39626 rad"),
+])  # fmt: skip
+def test_angles_beyond_the_stops_are_refused(name, theta, message):
+    with pytest.raises(DesignError, match=message):
+        READ_AT[name](theta)
+
+
+def test_rounding_at_a_stop_is_no_angle_beyond_it():
+    ends = PAIR.band([0.0, UPPER])
+    assert PAIR.band([-2e-16, UPPER * (1.0 + 1e-12)]) == pytest.approx(np.array(ends), rel=1e-9)
+    assert PAIR.band([]) == pytest.approx(np.empty((2, 0)))
+
+
+def test_a_designed_torque_ends_at_the_stop():
+    design = synthesize(5.0, 1.2, Spring(400.0, 10e3))
+    for wrong in (design.torque, design.error):
+        with pytest.raises(DesignError, match=r"between the stops, 0 to 1\.2 rad; this looks like degrees"):
+            wrong(45.0)

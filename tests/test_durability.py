@@ -15,7 +15,7 @@ from dualcam.checking.trouble import shown_beside, with_value
 from dualcam.cli import main
 from dualcam.design import HelicalSpring, Pin, Roller, line_contact, wear
 from dualcam.design_file import read_design, write_template
-from dualcam.design_file.durability import wear_words
+from dualcam.design_file.durability import change_words, wear_words
 from dualcam.errors import DesignFileError
 from dualcam.report.page import report_page
 
@@ -315,6 +315,45 @@ def test_numbers_are_those_of_the_functions(design):
     assert numbers.wear.cycles == worn.life(1e-4).cycles
     assert numbers.wear.preload_loss == worn.after(numbers.wear.cycles).preload_loss
     assert numbers.roller is None
+    worn, before = worn_and_new(worn.after(numbers.wear.cycles))
+    for change, after, new in zip(("load_change", "release_change"), worn, before, strict=True):
+        low, high = getattr(numbers.wear, change)
+        assert (low, high) == pytest.approx(((after / new - 1.0).min(), (after / new - 1.0).max()))
+    assert -0.1 < numbers.wear.load_change[0] < numbers.wear.load_change[1] < 0.0
+    assert " % less, the releasing torque is " in wear_words(numbers.wear)
+
+
+def worn_and_new(found):
+    return (found.load, found.release), (found.new_load, found.new_release)
+
+
+@pytest.mark.parametrize("ends, words", [
+    ((0.000176, 0.00524), "0.0176 % to 0.524 % more"),
+    ((-0.0173, 0.041), "1.73 % less to 4.1 % more"),
+    ((-0.0385, -0.012), "1.2 % to 3.85 % less"),
+    ((-0.02, 1e-16), "0 % to 2 % less"),
+    ((0.013, 0.013), "1.3 % more"),
+])  # fmt: skip
+def test_both_ends_of_a_change_are_said(ends, words):
+    assert change_words(*ends) == words
+
+
+def test_a_worn_cam_may_need_more_torque(design):
+    """Ellipses that flatten wear most at the lower stop, so the groove gets steeper than it was."""
+    ellipse = 'profile = "ellipse", lead_angle = "35 deg", wear = 1e-15'
+    spring = "[spring]\npreload = 500\nstiffness = 1e4\n"
+    text = f"cam1 = {{{ellipse}}}\ncam2 = {{{ellipse}}}\nstop.upper = 0.8\n{spring}{PIN}"
+    found = check_design(design(text)).numbers.wear
+    assert 0.0 < found.load_change[0] < found.load_change[1]
+    assert re.search(r"the torque to load is [\d.]+ % to [\d.]+ % more, the releasing", wear_words(found))
+
+
+def test_a_self_locking_cam_has_no_releasing_torque(design):
+    cams = "".join(f'cam{i} = {{lead_angle = "10 deg", friction = 0.3, wear = 1e-15}}\n' for i in (1, 2))
+    text = cams + PIN + "[limits]\nself_locking = true\n"
+    found = check_design(design(text)).numbers.wear
+    assert found.load_change is not None and found.release_change is None
+    assert "releasing torque" not in wear_words(found)
 
 
 def test_wear_deeper_than_the_formulas_hold_has_no_torque(design):
@@ -356,6 +395,8 @@ def test_report_has_the_quantities_and_their_pictures(design):
         "groove 1: cycles until 0.1 mm",
         "Goodman line",
         "the roller rolls",
+        "torque to load after that",
+        "releasing torque after that",
     ):
         assert piece in words
     titles = {svg.get("aria-label") for svg in page.iter("svg")}

@@ -2,6 +2,7 @@
 
 The recordings come from the closed form in tests/reference/bench.py, with a fault that is known."""
 
+import json
 from dataclasses import replace
 from pathlib import Path
 
@@ -139,6 +140,22 @@ def test_a_slip_in_the_unit_of_torque(folder, capsys):
     assert main(["identify", "bench.csv", "my.toml"]) == 0
     said = capsys.readouterr().err
     assert "looks like N.m, not N.cm" in said and "Lack of fit" not in said
+
+
+def test_a_refused_design_does_not_hide_the_result(folder, capsys):
+    """Torques of a bench in N.m under the header N.cm: the check refuses the spring that is fitted."""
+    write(recording(BENCH, sines(TIME), -3.0), "time_s,theta_deg,tau_Ncm")
+    words = ["identify", "bench.csv", "my.toml", "-o", "fitted.toml", "--report", "bench.html"]
+    assert main(words) == 1
+    said = capsys.readouterr()
+    assert "spring.preload" in said.out and "bench.html" in said.out and "fitted.toml" not in said.out
+    warned, refused = said.err.find("looks like N.m, not N.cm"), said.err.find("fitted.toml is not written")
+    assert 0 <= warned < refused
+    assert Path("bench.html").exists() and not Path("fitted.toml").exists()
+    assert main([*words, "--json"]) == 1
+    found = json.loads(capsys.readouterr().out)
+    assert found["files"] == {"report": "bench.html"} and found["warnings"] and found["parameters"]
+    assert "fitted.toml is not written" in found["error"] and found["findings"] == []
 
 
 @pytest.mark.parametrize("viscous", [0.0, 0.5])

@@ -178,6 +178,7 @@ def test_a_slip_in_a_plan_is_named_before_anything_is_made(tmp_path, capsys, old
 
 @pytest.mark.parametrize("words, mentions", [
     (["--figure", "all.gnp"], ["all.gnp", ".png"]),
+    (["--figure", "all.gif"], ["all.gif", ".png"]),
     (["--scheduler", ""], ["no Dask scheduler"]),
     (["--scheduler", "carrier-pigeon://me"], ["no Dask scheduler", "carrier-pigeon"]),
     (["--out", "/dev/full"], ["/dev/full"]),

@@ -4,6 +4,8 @@ import math
 import re
 import textwrap
 import tomllib
+import warnings
+from contextlib import suppress
 
 import pytest
 from study_cases import refused
@@ -11,7 +13,7 @@ from study_cases import refused
 from dualcam.__main__ import main
 from dualcam.cli.study import PLAN
 from dualcam.design_file import write_template
-from dualcam.errors import DesignFileError
+from dualcam.errors import DesignFileError, StudyError, UnitWarning
 from dualcam.study import read_results, read_study
 
 SCENARIO = "[scenario]\nstop = 0.1\ninputs.tau = 8.0\n"
@@ -164,3 +166,66 @@ def test_the_plan_in_the_help_runs(tmp_path, capsys):
     assert tomllib.loads(path.read_text())["fmu"] == "forward"
     assert main(["study", str(path), "--out", str(tmp_path / "out"), "--workers", "0"]) == 0
     assert len(read_results(tmp_path / "out" / "plan")["run"]) == 8
+
+
+# ---- numbers that look like another unit ----
+
+
+def unit_warnings_of(path):
+    with warnings.catch_warnings(record=True) as found:
+        warnings.simplefilter("always")
+        with suppress(StudyError):
+            read_study(path)
+    mine = [one for one in found if one.category is UnitWarning]
+    of_plan = [one for one in mine if str(one.message).startswith("plan:")]
+    assert all(one.filename == __file__ for one in of_plan), "the warning points at the user's line"
+    return [str(one.message) for one in mine]
+
+
+STRANGE = [
+    ('"spring.stiffness" = {from = 1, to = 4, count = 2}', ["spring.stiffness = 4 N/m: this looks like N"]),
+    ('"spring.stiffness" = {values = [2, 4e4]}', ["spring.stiffness = 2 N/m: this looks like N/mm"]),
+    ('"initial.theta" = {from = 0, to = 80, count = 2}', ["initial.theta = 80 rad: this looks like degrees"]),
+    ('"stop.upper" = {values = [75, 80]}', ["stop.upper = 80 rad: this looks like degrees"]),
+    ('"cam1.lead_angle" = {from = 35, to = 50, count = 2}', ["cam1.lead_angle = 50 rad: this looks like"]),
+    (
+        '"cam1.friction" = {values = [8, 14]}\n"cam2.friction" = {same_as = "cam1.friction"}',
+        ["cam1.friction = 14: this looks like percent"],
+    ),
+    ('stiff = {values = [1, 2]}\n"spring.stiffness" = {same_as = "stiff"}', ["spring.stiffness = 2 N/m"]),
+    ('"spring.stiffness" = {values = ["2 N/m", "4 N/m"]}', []),
+    ('"spring.stiffness" = {from = 1e4, to = 4e4, count = 2}', []),
+    ('"cam1.radius" = {values = ["20 mm", "3 cm"]}', []),
+    ('k = {values = [1, 2]}\n[plan.derived]\n"spring.stiffness" = "2 * k"', []),
+]
+
+
+@pytest.mark.parametrize(("varied", "words"), STRANGE)
+def test_extreme_values_of_a_plan_get_the_unit_warning(plan, varied, words):
+    found = unit_warnings_of(plan(varied))
+    assert len(found) == len(words), found
+    assert all(f"plan: {word}" in text for word, text in zip(words, found, strict=True)), found
+
+
+def test_a_distribution_without_ends_gets_the_unit_warning(plan):
+    path = plan('"spring.stiffness" = {distribution = "normal", mean = 30, std = 2}')
+    path.write_text(path.read_text().replace('kind = "grid"', 'kind = "random"\nruns = 4'))
+    (text,) = unit_warnings_of(path)
+    assert "plan: spring.stiffness = 3" in text and "N/mm" in text
+
+
+@pytest.mark.filterwarnings("default::dualcam.errors.UnitWarning")
+def test_the_section_of_a_design_warns_once(design, capsys):
+    path = design('"spring.stiffness" = {from = 1, to = 4, count = 2}')
+    assert len(unit_warnings_of(path)) == 1
+    assert main(["study", str(path), "--out", str(path.with_name("out")), "--workers", "0"]) == 0
+    assert capsys.readouterr().err.count("looks like N/mm") == 1
+
+
+def test_a_table_of_runs_warns_once(plan):
+    path = plan("")
+    text = path.read_text().partition("[plan]")[0] + '[plan]\nkind = "table"\ntable = "runs.csv"\n'
+    path.write_text(text)
+    path.with_name("runs.csv").write_text("spring.stiffness\n2\n4\n")
+    (text,) = unit_warnings_of(path)
+    assert "spring.stiffness = 4 N/m" in text

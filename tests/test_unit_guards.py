@@ -2,6 +2,7 @@
 
 import math
 import warnings
+from contextlib import suppress
 
 import numpy as np
 import pytest
@@ -9,7 +10,19 @@ from driver import ROOT
 
 from dualcam import Fmu
 from dualcam.common.unit_guards import RULES, table_warnings, unit_warnings
-from dualcam.design import Cycloid, Ellipse, Helix, Limits, Mechanism, Pin, Spring, Table
+from dualcam.design import (
+    Cycloid,
+    Ellipse,
+    Helix,
+    Limits,
+    Mechanism,
+    Pin,
+    Spring,
+    Table,
+    design_groove,
+    propose_spring,
+    synthesize,
+)
 from dualcam.design_file import TEMPLATES, read_design, write_template
 from dualcam.errors import DesignError, UnitWarning
 from dualcam.fmi.variables import all_parameters
@@ -103,6 +116,39 @@ def test_classes_warn(make, words):
     assert len(found) == len(words) and all(word in text for word, text in zip(words, found, strict=True)), (
         found
     )
+
+
+def caught_anywhere(make):
+    with warnings.catch_warnings(record=True) as found:
+        warnings.simplefilter("always")
+        with suppress(DesignError):
+            make()
+    return [str(one.message) for one in found if one.category is UnitWarning]
+
+
+FORCE = Spring(400.0, 10e3)
+DEGREES = np.linspace(0.0, 80.0, 9), np.full(9, 5.0)
+SAMPLES = "torque: theta = 80 rad: this looks like degrees; 80 deg is 1.39626 rad"
+
+
+@pytest.mark.parametrize(
+    "make", [lambda: synthesize(DEGREES, 1.2, FORCE), lambda: propose_spring(DEGREES, 1.2, FORCE)]
+)
+def test_samples_of_a_torque_in_degrees_warn(make):
+    assert caught(make) == [SAMPLES]
+
+
+def test_samples_and_range_in_degrees_warn():
+    found = caught_anywhere(lambda: synthesize(DEGREES, 80.0, FORCE))
+    assert [text.partition(":")[0] for text in found] == ["upper = 80 rad", "torque"]
+
+
+def test_a_file_of_a_torque_warns_once(tmp_path):
+    path = tmp_path / "torque.csv"
+    rows = [f"{theta / 10.0},5" for theta in range(0, 90, 10)]
+    path.write_text("\n".join(["theta_rad,torque_Nm", *rows]))
+    (text,) = caught_anywhere(lambda: design_groove(path, Spring(50.0, 10e3)))
+    assert "torque.csv" in text and "looks like degrees" in text
 
 
 def test_refused_angles_name_degrees():

@@ -244,7 +244,7 @@ def test_a_dwell_wears_only_where_the_pin_slides():
             "wear rates = (-1e-15, 0.0): allowed are two finite numbers",
         ),
         (lambda cam: wear(cam, PIN, (math.nan, 0.0)), "wear rates"),
-        (lambda cam: wear(cam, PIN, RATES, points=4), "points = 4: allowed is 5 or more"),
+        (lambda cam: wear(cam, PIN, RATES, points=4), "points = 4: allowed is a whole number, 5 or more"),
         (
             lambda cam: wear(cam, PIN, RATES).life(0.0),
             "allowed depth = 0.0: allowed is a finite number > 0 in m",

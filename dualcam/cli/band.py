@@ -49,9 +49,9 @@ def command(
     back. Between both the cam rests. The efficiency is release/load. Below 0 the mechanism
     locks itself. The last lines are the largest reaction and, with [pin], the largest contact pressure.
     """
-    from dualcam.common.paths import write_text
+    from dualcam.common.paths import check_picture, write_text
     from dualcam.design import torque_band
-    from dualcam.plots.design import check_picture, plot_band, save
+    from dualcam.plots.design import plot_band, save
     from dualcam.report.summary import largest_loads
 
     require_folder_of(output, plot)

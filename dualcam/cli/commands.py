@@ -97,10 +97,9 @@ def _refuse(error: Exception, as_json: bool) -> int:
         raise error
     text = str(error) if isinstance(error, DualcamError) else _of_the_system(error)
     if as_json:
-        from dualcam.cli.output import print_json
+        from dualcam.cli.output import print_json, refusal_for_json
 
-        findings = [finding.as_dict() for finding in getattr(error, "findings", ())]
-        print_json({"error": text, "findings": findings})
+        print_json(refusal_for_json(error) | {"error": text})
     else:
         click.echo(f"dualcam: {text}", err=True)
     return REFUSED

@@ -9,11 +9,13 @@ from typing import TYPE_CHECKING
 
 import click
 
+from dualcam.cli.commands import DONE, REFUSED
 from dualcam.cli.options import FILE, anyway, as_json, design_file, example, open_design, output_file
 from dualcam.cli.output import (
     keep_files_of,
     print_json,
     print_table,
+    refusal_for_json,
     refuse_to_overwrite,
     require_folder_of,
     say,
@@ -22,6 +24,7 @@ from dualcam.cli.output import (
 )
 
 if TYPE_CHECKING:
+    from dualcam.errors import DualcamError
     from dualcam.identification import Identification
 
 SILENT = 5.0  # s without a line of progress
@@ -75,18 +78,18 @@ def command(
     force: bool,
     anyway: bool,
     as_json: bool,
-) -> None:
+) -> int:
     """Fit friction, spring and losses of a design to a recording of time, angle and torque.
 
     DATA.csv has a header with units, such as time_s,theta_deg,tau_Nm. The torque is positive in the loading
     direction. Columns of the angular velocity (omega_rad/s) and of the axial force (F_ext_N) are optional.
     The table shows the fitted values with 95 % intervals. Warnings say what the data cannot tell apart.
     """
-    from dualcam.common.paths import page_path_of
+    from dualcam.common.paths import check_picture, page_path_of
     from dualcam.errors import IdentificationError
     from dualcam.identification import identify
     from dualcam.identification.unknowns import unknowns_of
-    from dualcam.plots.design import check_picture, save
+    from dualcam.plots.design import save
 
     if output is not None and output.resolve() != design_file.resolve():  # which is refused in any case
         refuse_to_overwrite(output, force)
@@ -103,18 +106,34 @@ def command(
     except IdentificationError as error:
         raise click.BadParameter(str(error), param_hint="--fit") from None
     found = identify(data, design, names, motion=motion, window=window, progress=_progress(as_json))
-    if output is not None:
-        found.write_design(output)
+    refusal = None if output is None else _refusal(found, output)
+    written = None if refusal else output
     if report is not None:
         found.write_report(report)
     if plot is not None:
         save(found.plot(), plot)
     if as_json:
-        files = {"design": output, "report": report, "plot": plot}
-        print_json({**found.as_dict(), "files": {what: path for what, path in files.items() if path}})
-        return
+        files = {"design": written, "report": report, "plot": plot}
+        refused = refusal_for_json(refusal) if refusal else {}
+        named = {what: path for what, path in files.items() if path}
+        print_json({**refused, **found.as_dict(), "files": named})
+        return REFUSED if refusal else DONE
     _tell(found)
-    say_written(output, report, plot)
+    say_written(written, report, plot)
+    if refusal:
+        raise refusal
+    return DONE
+
+
+def _refusal(found: Identification, output: Path) -> DualcamError | None:
+    """Writes the fitted design; the error, for after the result, where it must not be written."""
+    from dualcam.errors import DualcamError
+
+    try:
+        found.write_design(output)
+    except DualcamError as error:
+        return error
+    return None
 
 
 def _progress(quiet: bool) -> Callable[[str], None]:

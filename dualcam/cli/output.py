@@ -63,6 +63,12 @@ def print_json(content: Mapping[str, Any]) -> None:
     click.echo(json.dumps(_plain(content), indent=2, allow_nan=False))
 
 
+def refusal_for_json(error: Exception) -> dict[str, Any]:
+    """The message of an error, and its findings."""
+    findings = [finding.as_dict() for finding in getattr(error, "findings", ())]
+    return {"error": str(error), "findings": findings}
+
+
 def print_table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
     """Columns with heads; those of numbers are flush right."""
     from rich import box

@@ -93,8 +93,8 @@ def _run(design: DesignFile, names: list[str], fmu: Path | None, quiet: bool) ->
 
 def _check_plot(path: Path, names: list[str]) -> None:
     """DualcamError, before the run, for a picture that cannot be drawn or written."""
+    from dualcam.common.paths import check_picture
     from dualcam.errors import DualcamError
-    from dualcam.plots.design import check_picture
 
     check_picture(path)
     missing = [name for name in ("theta", "tau") if names and name not in names]

@@ -40,7 +40,11 @@ PLAN = """fmu = "forward"
 )
 @click.option("--scheduler", help="Address of a Dask scheduler to be used instead, such as tcp://host:8786.")
 @click.option("--format", "file_format", type=click.Choice(FORMATS), help="Of the results.")
-@click.option("--figure", type=FILE, help="Picture of all plots. Default: one per plan, beside the results.")
+@click.option(
+    "--figure",
+    type=FILE,
+    help="Picture of all plots (.png, .svg or .pdf). Default: one per plan, beside the results.",
+)
 @click.option("--runs-per-file", type=click.IntRange(1), help="Runs in a file of results.")
 @anyway
 def command(plans: tuple[Path, ...], out: str, anyway: bool, **options: Any) -> None:  # noqa: ANN401

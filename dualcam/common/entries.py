@@ -6,7 +6,8 @@ from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
-from typing import Any
+from numbers import Integral
+from typing import Any, TypeGuard
 
 LISTED = 12  # names in a message
 
@@ -32,8 +33,9 @@ class Kind:
         )
 
 
-def is_whole(value: object) -> bool:
-    return hasattr(value, "__index__") and not isinstance(value, bool)
+def is_whole(value: object) -> TypeGuard[int]:
+    """Whether a value is a whole number; no array is."""
+    return isinstance(value, Integral) and not isinstance(value, bool)
 
 
 def repeated(names: Iterable[object]) -> list[str]:

@@ -31,6 +31,12 @@ def near_names(name: str, names: Iterable[str], count: int = 1) -> list[str]:
     return get_close_matches(name, [one for one in known if Path(one).stem in stems], n=count, cutoff=0.0)
 
 
+def check_picture(path: Path) -> None:
+    """DualcamError unless the name ends like one of the kinds of pictures that are written."""
+    if path.suffix.lower() not in (".png", ".svg", ".pdf"):
+        raise DualcamError(f"{path}: allowed are names that end in .png, .svg or .pdf")
+
+
 @contextmanager
 def whole_file(path: Path) -> Iterator[Path]:
     """The name of a file to be written, which becomes `path` at the end of the `with` block, or is removed.

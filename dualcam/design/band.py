@@ -9,8 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dualcam.design.mechanism import Mechanism
-from dualcam.design.statics import Array
-from dualcam.errors import DesignError
+from dualcam.design.statics import Array, check_points
 
 NOT_LOCKING = "without torque the spring turns the cam back, a torque inside the band holds it"
 LOCKING = "there the spring cannot turn the cam back"
@@ -115,11 +114,10 @@ def locking_words(locked: Sequence[tuple[float, float]]) -> str:
 def torque_band(mechanism: Mechanism, points: int = 181) -> TorqueBand:
     """The torque band at `points` angles evenly over the mechanism's range.
 
-    `mechanism`: grooves, friction, spring and range. `points`: number of angles, 2 or more. DesignError: for
-    fewer than 2 points.
+    `mechanism`: grooves, friction, spring and range. `points`: number of angles, 2 or more. DesignError:
+    `points` is no whole number, or below 2.
     """
-    if points < 2:
-        raise DesignError(f"points = {points}: allowed is 2 or more")
+    check_points(points, 2)
     theta = mechanism.angles(points)
     configuration = mechanism.configuration(theta)
     force = mechanism.spring.force(configuration.z)

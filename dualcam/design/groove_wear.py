@@ -21,7 +21,7 @@ import numpy as np
 
 from dualcam.design.hertz import Pin, relative_radius
 from dualcam.design.mechanism import POINTS, Mechanism, check_pair
-from dualcam.design.statics import Array
+from dualcam.design.statics import Array, check_points
 from dualcam.errors import DesignError
 
 if TYPE_CHECKING:
@@ -87,6 +87,13 @@ class WornMechanism:
     def load_loss(self) -> Array:
         """Torque to load that is lost, as a share of that of the new mechanism [1], shape (n,)."""
         return 1.0 - self.load / self.new_load
+
+    @property
+    def release_loss(self) -> Array:
+        """The same of the torque that releasing gives back, shape (n,); NaN where the new mechanism locks
+        itself."""
+        gives = self.new_release > 0.0
+        return np.where(gives, 1.0 - self.release / np.where(gives, self.new_release, 1.0), np.nan)
 
 
 @dataclass(frozen=True, eq=False)
@@ -217,8 +224,7 @@ def wear(
     from scipy.integrate import simpson
 
     first, second = check_pair("wear rates", rates, 0.0)
-    if points < 5:
-        raise DesignError(f"points = {points}: allowed is 5 or more")
+    check_points(points, 5)
     theta = np.linspace(*mechanism.reach(), points)
     configuration = mechanism.configuration(theta)
     radius = np.array(mechanism.radius)[:, None]

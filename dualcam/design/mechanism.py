@@ -12,13 +12,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from dualcam.common.arrays import real_array
-from dualcam.common.unit_guards import warn_units
+from dualcam.common.unit_guards import unit_warning, warn_units
 from dualcam.design.grooves import Groove, Table, both_parameters, curvature
 from dualcam.design.load_law import LoadLaw, friction_under
 from dualcam.design.statics import Array, Pair, band, sign_of, transfer
 from dualcam.errors import DesignError
 
 POINTS = 721  # of theta, where a property of the whole range is sought
+STOP_SLACK = 1e-9  # of an angle: rounding of degrees and of sums of steps may pass a stop by that much
 END_SLACK = 1e-12  # of an angle: a groove may end that much before a stop, as in the FMU
 
 
@@ -163,8 +164,11 @@ class Mechanism:
         return below <= 0.0 <= above
 
     def configuration(self, theta: ArrayLike) -> Configuration:
-        """Geometry at an angle `theta` of cam 2 [rad]: the root gamma of g_1(gamma) = g_2(theta - gamma)."""
-        theta = real_array(theta, "theta", DesignError)
+        """Geometry at an angle `theta` of cam 2 [rad]: the root gamma of g_1(gamma) = g_2(theta - gamma).
+
+        DesignError: an angle beyond a stop.
+        """
+        theta = self._between_stops(theta)
         first, second = self.grooves
         gamma = 0.5 * theta if first is second else meeting(first, second, theta)
         one, two = first.at(gamma), second.at(theta - gamma)
@@ -174,11 +178,29 @@ class Mechanism:
             *(np.stack(pair) for pair in zip(one[1:], two[1:], strict=True)),
         )
 
+    def _between_stops(self, theta: ArrayLike) -> Array:
+        """`theta` [rad] as an array. DesignError, with the farthest angle, where one is beyond a stop.
+
+        Zero is allowed, too: the preload is that at theta = 0.
+        """
+        theta = real_array(theta, "theta", DesignError)
+        low, high = min(self.lower, 0.0), max(self.upper, 0.0)
+        beyond = np.maximum(low - theta - STOP_SLACK * (1.0 - low), theta - high - STOP_SLACK * (1.0 + high))
+        if not (beyond > 0.0).any():
+            return theta
+        angle = float(np.ravel(theta)[np.nanargmax(beyond)])
+        looks = (unit_warning("table.theta", angle) or "").partition(": ")[2]
+        raise DesignError(
+            f"theta = {angle:.9g} rad: allowed are angles between the stops, {low:.6g} to {high:.6g} rad"
+            f"{looks and f'; {looks}'}"
+        )
+
     def torque(self, theta: ArrayLike, direction: str) -> Array:
         """The torque of slow motion rho_sigma F_s [N.m] at `theta` [rad], on the flanks that support the
         spring.
 
-        `direction`: "loading", "releasing" or "frictionless". DesignError: another direction.
+        `direction`: "loading", "releasing" or "frictionless". DesignError: another direction, or an angle
+        beyond a stop.
         """
         configuration = self.configuration(theta)
         force = self.spring.force(configuration.z)
@@ -187,7 +209,10 @@ class Mechanism:
         return np.asarray(rho * force)
 
     def band(self, theta: ArrayLike) -> tuple[Array, Array]:
-        """The FMU's `torque_release` and `torque_load` [N.m] at `theta` [rad]; F_s must be > 0."""
+        """The FMU's `torque_release` and `torque_load` [N.m] at `theta` [rad]; F_s must be > 0.
+
+        DesignError: an angle beyond a stop.
+        """
         configuration = self.configuration(theta)
         force = self.spring.force(configuration.z)
         (release, load), _ = self.edges(configuration.slope, force)
@@ -206,7 +231,10 @@ class Mechanism:
         return band(slope, self.friction_under(slope, force), self.radius)
 
     def curvature(self, theta: ArrayLike) -> Array:
-        """Curvature of both unwrapped grooves at the pin [1/m], shape (2, ...), at `theta` [rad]."""
+        """Curvature of both unwrapped grooves at the pin [1/m], shape (2, ...), at `theta` [rad].
+
+        DesignError: an angle beyond a stop.
+        """
         psi = self.configuration(theta).psi
         return np.stack([curvature(groove, psi[i]) for i, groove in enumerate(self.grooves)])
 

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dualcam.common.arrays import Array, real_array
+from dualcam.common.entries import is_whole
 from dualcam.errors import DesignError
 
 if TYPE_CHECKING:
@@ -260,9 +261,16 @@ def efficiency_map(
     >>> round(float(chart.efficiency[44, 44]), 4)  # at 45 deg, 45 deg
     0.5691
     """
-    if points < 2:
-        raise DesignError(f"points = {points}: allowed is 2 or more")
+    check_points(points, 2)
     angle = np.linspace(0.0, 0.5 * np.pi, points + 2)[1:-1]
     return EfficiencyMap(
         angle, efficiency((angle[None, :], angle[:, None]), friction, radius), friction, radius
     )
+
+
+def check_points(points: object, least: int) -> None:
+    """DesignError unless `points` is a whole number from `least` on."""
+    if not is_whole(points) or points < least:
+        raise DesignError(
+            f"points = {points!r:.60}: allowed is a whole number, {least} or more: how many angles are taken"
+        )

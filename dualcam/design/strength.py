@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from dualcam.common.unit_guards import unit_warning, warn_units
 from dualcam.design.hertz import Pin, hertz_pressure
 from dualcam.design.mechanism import POINTS, Mechanism
-from dualcam.design.statics import Array
+from dualcam.design.statics import Array, check_points
 from dualcam.errors import DesignError
 from dualcam.fmi.variables import parameters_of
 
@@ -143,8 +143,7 @@ def assess(
     >>> assess(cam, Pin(radius=0.003, width=0.008)).good
     True
     """
-    if points < 2:
-        raise DesignError(f"points = {points}: allowed is 2 or more")
+    check_points(points, 2)
     outside = [] if mechanism.lower <= 0.0 <= mechanism.upper else [_start_outside(mechanism)]
     found, findings = examine(mechanism, pin, limits or Limits(), points)
     return Assessment(**vars(found), findings=(*outside, *findings))

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
+from dualcam.common.arrays import real_array
 from dualcam.common.unit_guards import units_checked_before, warn_units
 from dualcam.design.design import Design
 from dualcam.design.groove_equation import groove_problem
@@ -64,7 +67,7 @@ def synthesize(
 
     Warns
     -----
-    UnitWarning : If `upper` is above 2 pi, which looks like degrees.
+    UnitWarning : If `upper` or an angle of the samples is above 2 pi, which looks like degrees.
 
     Examples
     --------
@@ -74,7 +77,7 @@ def synthesize(
     >>> design.torque([0.0, 0.6, 1.2]).round(4)
     array([5., 5., 5.])
     """
-    _check(upper, contacts, tolerance)
+    _check(torque, upper, contacts, tolerance)
     problem = groove_problem(torque, upper, spring, direction, groove2, friction, radius, kinks)
     with units_checked_before():
         try:
@@ -106,7 +109,7 @@ def propose_spring(
     `torque`, `upper`, `direction`, `groove2`, `friction`, `radius`, `contacts`, `kinks`, `tolerance`: as in
     `synthesize`. `spring`: the spring to change. `vary`: "preload", "stiffness" or "both": new ones with
     which the force doubles over about the range. DesignError: no such spring is found, or an argument is not
-    allowed.
+    allowed. UnitWarning: as in `synthesize`.
 
     Examples
     --------
@@ -118,7 +121,7 @@ def propose_spring(
     """
     if vary not in VARIED:
         raise DesignError(f"vary = {vary!r}: allowed are {', '.join(VARIED)}")
-    _check(upper, contacts, tolerance)
+    _check(torque, upper, contacts, tolerance)
     problem = groove_problem(torque, upper, spring, direction, groove2, friction, radius, kinks)
     with units_checked_before():
         found = propose(problem, vary, contacts, tolerance)
@@ -131,9 +134,13 @@ def propose_spring(
     return found
 
 
-def _check(upper: float, contacts: int, tolerance: float) -> None:
+def _check(torque: WantedTorque, upper: float, contacts: int, tolerance: float) -> None:
     if not 0.0 < tolerance < 1.0:
         raise DesignError(f"tolerance = {tolerance}: allowed is a number > 0, below 1")
     if contacts not in (1, 2):
         raise DesignError(f"contacts = {contacts!r}: allowed are 1 and 2")
-    warn_units({"upper": ("stop.upper", upper)}, stacklevel=4)
+    guarded: dict[str, tuple[str, object]] = {"upper": ("stop.upper", upper)}
+    if isinstance(torque, tuple | list) and len(torque) == 2:
+        theta = np.ravel(real_array(torque[0], "torque: theta", DesignError))
+        guarded["torque: theta"] = ("table.theta", max(theta.tolist(), key=abs, default=0.0))
+    warn_units(guarded, stacklevel=4)

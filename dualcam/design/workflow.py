@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 
 from dualcam.common.paths import path_of
 from dualcam.common.tables import ANGLE_NAMES, TORQUE_NAMES, ColumnKind, TableKind, read_table
+from dualcam.common.unit_guards import units_checked_before
 from dualcam.design.design import Design
 from dualcam.design.grooves import Groove
 from dualcam.design.mechanism import Spring
@@ -106,16 +108,18 @@ def design_groove(
     else:
         end = upper
     wanted = (curve.theta, curve.torque) if isinstance(curve, TorqueCurve) else curve
-    design = synthesize(
-        wanted,
-        end,
-        spring,
-        direction=direction,
-        groove2=groove2,
-        friction=friction,
-        radius=radius,
-        contacts=contacts,
-    )
+    is_read_here = isinstance(torque, str | Path)  # and warned of with the name of the file
+    with units_checked_before() if is_read_here else nullcontext():
+        design = synthesize(
+            wanted,
+            end,
+            spring,
+            direction=direction,
+            groove2=groove2,
+            friction=friction,
+            radius=radius,
+            contacts=contacts,
+        )
     if table is not None:
         design.table.write(table)
     return design

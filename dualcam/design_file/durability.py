@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from dualcam.common.arrays import Array
 from dualcam.design import Limits, LineContact, line_contact, wear
 from dualcam.design.strength import strength
 
@@ -49,6 +50,8 @@ class WearNumbers:
     cycles: float  # slow ones, until then
     preload_loss: float | None  # of the spring then, N; None if the mechanism does not work any more
     load_loss: float | None  # largest share of the torque to load that is then lost
+    load_change: tuple[float, float] | None  # least and greatest change of the torque to load, a share
+    release_change: tuple[float, float] | None  # the same of the releasing torque; None if self-locking
     rolls: bool  # whether a roller rolls, so that the wear rates must be those of a rolling contact
 
 
@@ -123,8 +126,16 @@ def wear_numbers(design: DesignFile, mechanism: Mechanism) -> WearNumbers | None
         cycles=life.cycles,
         preload_loss=worn.preload_loss if worn else None,
         load_loss=float(np.nanmax(worn.load_loss)) if worn else None,
+        load_change=_change(worn.load_loss) if worn else None,
+        release_change=_change(worn.release_loss) if worn else None,
         rolls=found.turns,
     )
+
+
+def _change(loss: Array) -> tuple[float, float] | None:
+    """Least and greatest change of a torque, as a share, from its losses; None where no loss is known."""
+    known = loss[np.isfinite(loss)]
+    return (-float(known.max()), -float(known.min())) if len(known) else None
 
 
 def largest_contact(mechanism: Mechanism, pin: Pin, cam: int, theta: float) -> LineContact:
@@ -159,9 +170,24 @@ def wear_words(found: WearNumbers) -> str:
     """The part that wears first, its cycles, and what is then lost."""
     first = f"{found.part} is {1e3 * found.depth:.4g} mm deep after {found.cycles:.4g} cycles"
     rolling = "; the roller rolls: the wear rates must be those of a rolling contact" if found.rolls else ""
-    if found.preload_loss is None or found.load_loss is None:
+    if found.preload_loss is None:
         return f"{first}; the cam does not work any more then{rolling}"
-    return (
-        f"{first}; then the spring has lost {found.preload_loss:.3g} N of its preload, and the torque to load"
-        f" is up to {100.0 * found.load_loss:.3g} % less{rolling}"
-    )
+    lost = f"the spring has lost {found.preload_loss:.3g} N of its preload"
+    changes = [f"the {name} is {words}" for name, words in torque_changes(found)]
+    return f"{first}; then {', '.join([lost, *changes])}{rolling}"
+
+
+def torque_changes(found: WearNumbers) -> list[tuple[str, str]]:
+    """Names of the torques whose change is known, and both ends of the change in words."""
+    changes = {"torque to load": found.load_change, "releasing torque": found.release_change}
+    return [(name, change_words(*change)) for name, change in changes.items() if change]
+
+
+def change_words(low: float, high: float) -> str:
+    """Least and greatest change, shares, such as "0.02 % to 0.5 % more" or "2 % less to 4 % more"."""
+    low, high = (round(100.0 * share, 9) for share in (low, high))  # rounding is no change
+    if low < 0.0 < high:
+        return f"{-low:.3g} % less to {high:.3g} % more"
+    near, far = (f"{size:.3g} %" for size in sorted((abs(low), abs(high))))
+    side = "less" if low < 0.0 else "more"
+    return f"{far} {side}" if near == far else f"{near} to {far} {side}"

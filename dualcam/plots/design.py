@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from dualcam.common.paths import whole_file
-from dualcam.errors import DualcamError
+from dualcam.common.paths import check_picture, whole_file
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -166,18 +165,10 @@ def _finite(values: Array) -> Array:
 
 
 def save(picture: Figure, path: str | Path) -> None:
-    """Write a figure to a file; the end of the name gives the format. DualcamError for an unknown format."""
-    check_picture(path)
+    """Write a figure to a file whose name ends in .png, .svg or .pdf. DualcamError for another ending."""
+    check_picture(Path(path))
     with whole_file(Path(path)) as unfinished:
         picture.savefig(unfinished, dpi=200)
-
-
-def check_picture(path: str | Path) -> None:
-    """DualcamError unless matplotlib can write a picture of this name."""
-    from matplotlib.backend_bases import FigureCanvasBase
-
-    if Path(path).suffix.lower().lstrip(".") not in FigureCanvasBase.get_supported_filetypes():
-        raise DualcamError(f"{path}: allowed are names that end in .png, .svg or .pdf")
 
 
 def plot_contact(mechanism: Mechanism, pin: Pin, limit: float) -> Figure:

@@ -12,6 +12,7 @@ from dualcam.design_file.durability import (
     roller_numbers,
     spring_fatigue,
     spring_numbers,
+    torque_changes,
     wear_numbers,
     wear_of,
 )
@@ -115,10 +116,8 @@ def _wear(design: DesignFile, mechanism: Mechanism) -> str:
         ("sliding distance of a cycle", " and ".join(f"{1e3 * way:.4g} mm" for way in found.path)),
     ]
     if worn is not None:
-        rows += [
-            ("preload lost after that", f"{worn.preload_loss:.3g} N"),
-            ("torque to load lost", f"up to {100.0 * float(np.nanmax(worn.load_loss)):.3g} %"),
-        ]
+        rows.append(("preload lost after that", f"{worn.preload_loss:.3g} N"))
+        rows += [(f"{name} after that", words) for name, words in torque_changes(numbers)]
     text = (
         "Archard's law. One cycle is a slow move from stop to stop and back. The curves are those after"
         f" {life.cycles:.4g} cycles, when {life.part} has the allowed depth."

@@ -11,13 +11,12 @@ from typing import Any
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backend_bases import FigureCanvasBase
 from matplotlib.collections import LineCollection
 from matplotlib.text import Text
 from numpy.typing import NDArray
 
 from dualcam.common.mistakes import StudyError, refuse
-from dualcam.common.paths import whole_file
+from dualcam.common.paths import check_picture, whole_file
 from dualcam.fmi.fmu import Array, Fmu
 from dualcam.study.plot_keys import columns_of, problems_of_columns, problems_of_keys
 from dualcam.study.store.results import read_results
@@ -58,12 +57,10 @@ def draw(studies: Sequence[tuple[Study, str | Path]], path: Path) -> None:
 
 
 def check_file(studies: Sequence[Study], path: Path) -> None:
-    """StudyError if no picture of these studies can be written there."""
+    """DualcamError if no picture of these studies can be written there."""
     if not any(study.plots for study in studies):
         raise StudyError("these plans have no plots: add [[plots]] to one")
-    formats = FigureCanvasBase.get_supported_filetypes()
-    if path.suffix.removeprefix(".") not in formats:
-        raise StudyError(f"picture {path}: allowed are names that end in .{', .'.join(formats)}")
+    check_picture(path)
 
 
 def _draw_one(axis: Axes, study: Study, folder: str | Path, plot: Mapping[str, Any]) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from dualcam.common.mistakes import StudyError, refuse
+from dualcam.common.unit_guards import units_checked_before
 from dualcam.study.file.study_file import NO_SCENARIO, study_of_design
 from dualcam.study.optimisation.file import is_search, task_of_design
 
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
 def check_section(design: DesignFile) -> None:
     """StudyError with all mistakes of the section, whose design may lack a scenario."""
     try:
-        (task_of_design if is_search({"study": design.study}) else study_of_design)(design)
+        with units_checked_before():  # the study warns when it is made
+            (task_of_design if is_search({"study": design.study}) else study_of_design)(design)
     except StudyError as error:
         refuse(text for text in error.problems if not text.endswith(NO_SCENARIO))

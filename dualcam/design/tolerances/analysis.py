@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from dualcam.common.arrays import real_array
+from dualcam.common.entries import is_whole
 from dualcam.design.mechanism import Mechanism
 from dualcam.design.statics import Array
 from dualcam.design.tolerances.limits import Limit, Yield, check_quantity, yield_of
@@ -33,7 +34,7 @@ from dualcam.design.tolerances.sampled_mechanism import (
     own_value,
     sampled_band,
 )
-from dualcam.design.tolerances.tolerance import Tolerance, check_names, complex_steps, draw, is_whole, means
+from dualcam.design.tolerances.tolerance import Tolerance, check_names, complex_steps, draw, means
 from dualcam.errors import DesignError
 
 if TYPE_CHECKING:
@@ -290,7 +291,7 @@ def _require_allowed(parameters: dict[str, Array]) -> None:
 
 def _angles(mechanism: Mechanism, angles: int | ArrayLike) -> Array:
     if is_whole(angles):
-        angles = int(angles)  # type: ignore[arg-type]
+        angles = int(angles)
         if angles < 2:
             raise DesignError(f"angles = {angles}: allowed is 2 or more, or a list of angles in rad")
         return mechanism.angles(angles)

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import stats
 
+from dualcam.common.entries import is_whole
 from dualcam.common.unit_guards import unit_warning
 from dualcam.design.statics import Array, is_number
 from dualcam.errors import DesignError, UnitWarning
@@ -259,8 +260,3 @@ def check_names(tolerances: Sequence[Tolerance]) -> None:
     twice = sorted({name for name in names if names.count(name) > 1})
     if twice:
         raise DesignError(f"tolerances: {', '.join(twice)} stands in two tolerances: allowed is one for each")
-
-
-def is_whole(value: object) -> bool:
-    """Whether a value is a whole number."""
-    return isinstance(value, int | np.integer) and not isinstance(value, bool)

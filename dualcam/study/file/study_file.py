@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from dualcam.common.mistakes import Findings, StudyError, refuse, told_of
 from dualcam.design_file.toml_text import tables_of
-from dualcam.errors import DualcamWarning
+from dualcam.errors import DualcamWarning, UnitWarning
 from dualcam.fmi.model_description import Scalar
 from dualcam.scenario.scenario import Scenario
 from dualcam.study.file.context import STRING, Context, in_unit
@@ -17,6 +17,7 @@ from dualcam.study.file.plan_table import plan_of
 from dualcam.study.file.scenario_table import scenario_of
 from dualcam.study.file.schema import model_of
 from dualcam.study.file.schema_check import check_schema
+from dualcam.study.plan.unit_warnings import unit_warnings_of
 from dualcam.study.plot_keys import problems_of_columns
 from dualcam.study.run.fmu_check import problems_with_fmu
 from dualcam.study.run.readings import Readings
@@ -57,6 +58,11 @@ def read_study(path: str | Path) -> Study:
         or else names that the FMU does not have and ranges that it does not allow.
     DesignFileError
         The file is a design file with errors.
+
+    Warns
+    -----
+    UnitWarning
+        The least or greatest value of a name that varies looks as if it were in another unit.
 
     Examples
     --------
@@ -150,10 +156,24 @@ def _study(
         findings.attempt(Readings, table["results"], scenario.stop, names)
     findings.refuse()
     assert fixed is not None and plan is not None and scenario is not None
+    if plan.kind != "table":  # the reader of tables knows the units in the header, and warns
+        for text in unit_warnings_of(plan, _with_written_units(table["plan"])):
+            warnings.warn(UnitWarning(text), stacklevel=5)
     study = Study(context.fmu, plan, scenario, table["results"], fixed, table.get("plots", ()))
     refuse(problems_with_fmu(context.variables, plan, study.job(), study.readings.used))
     refuse(problems_of_columns(study.plots, plan, study.readings))
     return study
+
+
+def _with_written_units(plan: Tables) -> set[str]:
+    """Names whose values are texts, thus have a unit."""
+    found = set()
+    for name, each in plan.get("vary", {}).items():
+        given = [each.get(key) for key in ("from", "to", "mean", "std")]
+        given += [*each.get("values", ()), *each.get("arguments", {}).values()]
+        if any(isinstance(value, str) for value in given):
+            found.add(name)
+    return found
 
 
 def _study_of_plan(folder: Path, content: Tables) -> Study:
