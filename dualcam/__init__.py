@@ -27,8 +27,6 @@ All errors are DualcamErrors, which are ValueErrors. Every name is loaded at its
 alone loads no other package.
 """
 
-from __future__ import annotations
-
 from typing import TYPE_CHECKING
 
 from dualcam.common.moved import find_moved_modules

@@ -1,7 +1,5 @@
 """The command line: `dualcam ...`, or `python -m dualcam ...`."""
 
-from __future__ import annotations
-
 import sys
 
 from dualcam.cli import main

@@ -2,8 +2,6 @@
 
 The classes that evaluate a law are those of dualcam.design.grooves."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 

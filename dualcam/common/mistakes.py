@@ -3,8 +3,6 @@
 The stages are the schema of a file, the values in it, and what the FMU says. A later one begins where the one
 before finds nothing."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from importlib import import_module

@@ -1,7 +1,5 @@
 """The forward FMU as a nonlinear system of python-control."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from typing import Any
 

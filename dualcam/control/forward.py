@@ -1,7 +1,5 @@
 """The forward FMU as a function of state and inputs, for linear models and plants of python-control."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TypeVar

@@ -1,7 +1,5 @@
 """The cam's friction hysteresis for describing function analysis."""
 
-from __future__ import annotations
-
 import warnings
 
 from dualcam.control.forward import CamAtState, Names

@@ -1,7 +1,5 @@
 """Limit cycles of the cam under a sampled controller: predicted by harmonic balance, checked in the loop."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 

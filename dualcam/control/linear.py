@@ -1,7 +1,5 @@
 """Linear models of the forward FMU from its own partial derivatives."""
 
-from __future__ import annotations
-
 import math
 import warnings
 from collections.abc import Mapping

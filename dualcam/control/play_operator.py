@@ -1,7 +1,5 @@
 """The cam in slow motion as a play operator from torque to angle, and its describing function."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 

@@ -1,7 +1,5 @@
 """The torque of an imposed swing of the cam, and its harmonics, with inertia, damping and friction law."""
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """Feedback that is computed outside the plant function of a coupling, and so is held over each step."""
 
-from __future__ import annotations
-
 import math
 from collections import deque
 from itertools import pairwise

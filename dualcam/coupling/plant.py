@@ -4,8 +4,6 @@ Explicit coupling with a plant tau = tau_0 - K theta - D omega - M alpha maps th
 step to those of the next step. The coupling is stable where the spectral radius of that map is at most 1.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -14,8 +14,6 @@ the same step, by Newton's method with the interface Jacobian; it is stable for 
 docs/couple-own-plant.md has bounds of stability and sources.
 """
 
-from __future__ import annotations
-
 import math
 import warnings
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """The torque band of slow motion over the whole range of angles (docs/mechanism.md, section 3)."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """A designed groove, and what friction does to it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -4,8 +4,6 @@ What is not given is taken from the header or from the numbers, and said in `not
 one format only: the header psi_rad,z_m, then lines with a comma between the numbers.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path

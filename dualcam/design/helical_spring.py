@@ -7,8 +7,6 @@ mean stress tau_mZ and the Goodman line from there, the safety is the lesser one
     tau_Z/tau_a     1/(tau_a/tau_W + tau_m/(0.67 R_m)),  tau_W = tau_Z/(1 - tau_mZ/(0.67 R_m))
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

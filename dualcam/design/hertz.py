@@ -8,8 +8,6 @@ tau is largest at u^2 = (sqrt(5) - 1)/2. Source: K. L. Johnson, Contact Mechanic
 docs/design-quantities.md.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -7,8 +7,6 @@ The nominal load N_i of a contact is the reaction that the axial force makes wit
 A law gives the factor by which it multiplies the coefficient of friction.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol

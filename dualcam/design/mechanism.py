@@ -1,7 +1,5 @@
 """A pair of grooves with friction and a spring: geometry and slow torque over the whole range at once."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

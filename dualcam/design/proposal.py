@@ -4,8 +4,6 @@ Many springs are tried at once: the equation of the groove (groove_equation.py) 
 the classical Runge-Kutta method on a coarse grid. The spring whose groove has lead angles nearest to 45 deg
 is then designed in full, so that a proposed spring is one that works."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace

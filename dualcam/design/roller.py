@@ -4,8 +4,6 @@ Bearing and rolling resistance brake the roller: mu_eff = (mu_b r_b + f)/r. It r
 the coefficient mu of sliding on the flank; else mu acts. Source: docs/design-quantities.md.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

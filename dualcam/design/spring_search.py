@@ -1,7 +1,5 @@
 """Search of helical springs in standard wire diameters for a wanted preload, stiffness and stroke."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 

@@ -9,8 +9,6 @@ Fatigue by F. P. Zimmerli, Human failings in spring design, The Mainspring (1957
 Nisbett, Shigley's Mechanical Engineering Design, chapter 10, also for the shear strength 0.67 R_m.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 

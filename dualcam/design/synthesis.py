@@ -1,7 +1,5 @@
 """From a wanted torque to a groove: `synthesize`, and the spring that a torque needs: `propose_spring`."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

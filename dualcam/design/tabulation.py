@@ -4,8 +4,6 @@ Its samples are found by halving: where the FMU's curve through the samples miss
 than the tolerance, the samples are set twice as close.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from dualcam.design.design import Design

@@ -1,7 +1,5 @@
 """The wanted torque as a function of arrays, from a number, a function or samples."""
 
-from __future__ import annotations
-
 import math
 import warnings
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """Tables that a design file names: read, checked, and converted to the FMU's format where needed."""
 
-from __future__ import annotations
-
 import hashlib
 import os
 import re

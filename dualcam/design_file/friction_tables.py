@@ -1,7 +1,5 @@
 """Friction tables that a design file names: read and checked as the FMU does."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

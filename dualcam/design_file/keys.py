@@ -1,7 +1,5 @@
 """What an unknown key could mean."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Mapping
 from decimal import Decimal

@@ -1,7 +1,5 @@
 """Reads a design file: all errors at once, values in SI units."""
 
-from __future__ import annotations
-
 import json
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence

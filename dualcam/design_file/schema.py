@@ -1,7 +1,5 @@
 """The schema of design files as one pydantic model, made from the FMUs' variables."""
 
-from __future__ import annotations
-
 import dataclasses
 import math
 from collections.abc import Mapping, Sequence

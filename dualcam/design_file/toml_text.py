@@ -1,7 +1,5 @@
 """The text of a TOML file: its content, the lines of its keys, and the likely cause of an error of syntax."""
 
-from __future__ import annotations
-
 import re
 import tomllib
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """Runs of a fleet with the Jacobian of every step, and the chain rule backwards through them."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial

@@ -1,7 +1,5 @@
 """Many episodes of a task at once, arrays in and out."""
 
-from __future__ import annotations
-
 from typing import NamedTuple, Self
 
 import numpy as np

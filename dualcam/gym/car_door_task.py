@@ -1,7 +1,5 @@
 """The car's side door as a task: move a door of unknown weight, on an unknown slope, and let it stay."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """The robot's elbow as a task: move an arm with an unknown payload to an angle, and hold it there."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """One episode at a time: the tasks as environments of gymnasium."""
 
-from __future__ import annotations
-
 from typing import Any, ClassVar
 
 import gymnasium

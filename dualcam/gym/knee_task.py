@@ -1,7 +1,5 @@
 """The prosthetic knee as a task: swing an unknown shank as a measured walker does."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from functools import cache
 from typing import NamedTuple

@@ -3,8 +3,6 @@
 All values of a task are arrays with one entry per instance, shape (count,).
 """
 
-from __future__ import annotations
-
 import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Many episodes at a time: the tasks as vector environments of gymnasium, by one fleet."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar

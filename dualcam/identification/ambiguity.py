@@ -1,7 +1,5 @@
 """Which unknowns the data do not determine, alone or together, and what would help."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """What is doubtful about a fit: what the data cannot tell apart, lack of fit, faults of the recording."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The fit of a design's parameters to a recording."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager

@@ -1,7 +1,5 @@
 """Lack of fit: held values and zero errors of sensors that would explain a part of the residual."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Nonlinear least squares with limits, in units of each unknown's own size, and the spread of the result."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

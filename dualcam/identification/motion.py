@@ -1,7 +1,5 @@
 """The motion behind a recording: angle, speed, acceleration, and which samples slip in which direction."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

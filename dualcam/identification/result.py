@@ -1,7 +1,5 @@
 """What an identification found: values with intervals, doubts, residuals."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -7,8 +7,6 @@ Smoothing by local regression, 1996). A wider window would smooth away motion, a
 noise.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

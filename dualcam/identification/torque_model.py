@@ -1,7 +1,5 @@
 """The torque that the inverse FMU needs for a recorded motion, as a function of its parameters."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import Self

@@ -1,7 +1,5 @@
 """What is fitted: names of parameters, one value for both cams, and zero errors of the sensors."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass

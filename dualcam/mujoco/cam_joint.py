@@ -1,7 +1,5 @@
 """What sits on a joint: a cam beside the joint, or a cam between a motor and the joint."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field

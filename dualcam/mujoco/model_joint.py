@@ -1,7 +1,5 @@
 """Whether a model, its data and its joints suit the cams, with messages that say what would."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import NamedTuple
 

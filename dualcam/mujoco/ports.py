@@ -1,7 +1,5 @@
 """The cams of one joint in all instances: a fleet of FMUs, and the law of their shaft over a step."""
 
-from __future__ import annotations
-
 import math
 import warnings
 from abc import ABC, abstractmethod

@@ -1,7 +1,5 @@
 """MuJoCo's step with cams on its joints, for one mjData or many."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import NamedTuple, Self
 

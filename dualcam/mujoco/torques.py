@@ -19,8 +19,6 @@ T_i rises, so the Gauss-Seidel method, which solves row by row, converges (R. W.
 Stone, The Linear Complementarity Problem, 1992, section 5.2).
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import NamedTuple, Protocol
 

@@ -9,8 +9,6 @@ config/ur3e (physical_parameters.yaml, default_kinematics.yaml), BSD-3-Clause. T
 dualcam.systems.blocks.motor.AK80_6: its rotor behind the gear is the armature of the joint.
 """
 
-from __future__ import annotations
-
 from dualcam.systems.blocks.motor import AK80_6
 
 MJCF = """

@@ -5,8 +5,6 @@ formula of a file can compute and nothing else. Values are arrays: one call comp
 No library has both names with points (`cam1.friction`) and arrays: numexpr has no points, asteval runs whole
 programs."""
 
-from __future__ import annotations
-
 import ast
 import operator
 import re

@@ -19,8 +19,6 @@ plan.toml` is the same on the command line.
 May import common, fmi, fleet, scenario, design, design_file, checking, report.
 """
 
-from __future__ import annotations
-
 from typing import TYPE_CHECKING
 
 from dualcam.common.module_calls import explain_call_of

@@ -1,7 +1,5 @@
 """`dualcam study`: plans in TOML files, run and drawn."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Which keys the pictures of a study have, and what is wrong with them."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import Any
 

@@ -2,8 +2,6 @@
 
 `plot_keys` says which keys each kind has, docs/study-plan.md what they mean."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any

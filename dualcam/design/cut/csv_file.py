@@ -1,7 +1,5 @@
 """The groove as a table of points in space, which is also a groove table for a design file."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Grooves of a mechanism to files for a workshop."""
 
-from __future__ import annotations
-
 import warnings
 from collections.abc import Sequence
 from pathlib import Path

@@ -1,7 +1,5 @@
 """A groove as a workshop cuts it: path of the pin's axis between the stops, both flanks, round ends."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import cached_property

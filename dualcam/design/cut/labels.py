@@ -1,7 +1,5 @@
 """What a workshop must know about a groove, in lines of ASCII for drawings and solids."""
 
-from __future__ import annotations
-
 from dualcam.design.cut.groove_cut import GrooveCut
 
 ZERO_LABEL = "angle 0 and z = 0: axis of the pin at theta = 0; the lower flank carries the spring"

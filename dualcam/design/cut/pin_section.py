@@ -8,8 +8,6 @@ there, and the slope s of the path on that cylinder:
     cos(t) = -+ s sqrt(2/(1 + s^2 + sqrt((1 + s^2)^2 - 4 q^2 s^2)))      - upper flank, + lower flank
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

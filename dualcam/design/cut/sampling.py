@@ -1,7 +1,5 @@
 """Places along a groove that are close enough for straight lines between them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

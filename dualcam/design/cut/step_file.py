@@ -1,7 +1,5 @@
 """The solid of a cam as a STEP file in millimetres."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

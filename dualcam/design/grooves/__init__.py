@@ -3,8 +3,6 @@ of the unwrapped groove (x = r psi, z). Each law is one module and one entry of 
 
 A `Table` lays the very curve through its samples that the FMU lays (fmu_src/geometry/groove_table.h)."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Cycloidal grooves, level at both ends."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any, ClassVar

@@ -1,7 +1,5 @@
 """Grooves that unwrap to an arc of an ellipse."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any, ClassVar

@@ -1,7 +1,5 @@
 """What a groove law is, and what laws by a formula share."""
 
-from __future__ import annotations
-
 import math
 from abc import ABC, abstractmethod
 from dataclasses import fields

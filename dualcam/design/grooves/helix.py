@@ -1,7 +1,5 @@
 """Grooves of constant lead angle."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any, ClassVar

@@ -1,7 +1,5 @@
 """Allowed values of a quantity, and the yield against them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 

@@ -13,8 +13,6 @@ Source: W. Squire, G. Trapp, Using complex variables to estimate derivatives of 
 40 (1998).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass

@@ -10,8 +10,6 @@ turns at the same z while the pin crosses to the other flanks. Complex parameter
 solved for the real parts, and Newton's step from there has the exact imaginary part.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, fields

@@ -1,7 +1,5 @@
 """Writes a commented design file to begin with."""
 
-from __future__ import annotations
-
 from importlib.resources import files
 from pathlib import Path
 

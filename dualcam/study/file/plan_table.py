@@ -1,7 +1,5 @@
 """The plan of a table in a file, and the values of each name that varies."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Mapping
 from difflib import get_close_matches

@@ -1,7 +1,5 @@
 """The scenario of a table in a file."""
 
-from __future__ import annotations
-
 import importlib
 from collections.abc import Mapping
 from typing import Any

@@ -2,8 +2,6 @@
 
 The reference page docs/study-plan.md and plan.schema.json, for editors, are written from here."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from functools import cache, partial
 from types import GenericAlias

@@ -1,7 +1,5 @@
 """The first stage of a file: what its schema refuses, in words."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from difflib import get_close_matches
 from typing import Any

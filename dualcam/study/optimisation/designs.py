@@ -1,7 +1,5 @@
 """Designs: the model that gives their results, deviations of made parts, and values between bounds."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field

@@ -1,7 +1,5 @@
 """Searches by generations of designs: differential evolution, then SLSQP from its best design; NSGA-II."""
 
-from __future__ import annotations
-
 import importlib
 from typing import Any
 

@@ -1,7 +1,5 @@
 """SLSQP with gradients from differences: each gradient is one batch of designs."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

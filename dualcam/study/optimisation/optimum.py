@@ -1,7 +1,5 @@
 """What a search found."""
 
-from __future__ import annotations
-
 from contextlib import closing
 from dataclasses import dataclass
 from functools import cached_property

@@ -6,8 +6,6 @@ evaluated twice, and the end is that of an uninterrupted search, bit for bit. A 
 is dropped.
 """
 
-from __future__ import annotations
-
 import json
 import os
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """What is to be optimised, what is wrong with that, and its values in the units of its file."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field

@@ -3,8 +3,6 @@
 SciPy makes Latin hypercubes and Sobol sequences. SALib makes what its analysers take: the trajectories of
 Morris, the search curves of FAST, the samples of Saltelli."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any
 

@@ -8,8 +8,6 @@ copula: z' = L z with L L^T = R, and the new shares are Phi(z'). R follows from 
   Nelson 1997), by Gauss-Hermite quadrature and Brent's method.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Distributions of scipy.stats by name, whole or truncated."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from difflib import get_close_matches

@@ -1,7 +1,5 @@
 """What a plan says: its fields, what follows from them alone, and all that is wrong with them at once."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field

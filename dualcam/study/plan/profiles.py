@@ -8,8 +8,6 @@ where l is the correlation length (the squared exponential of Rasmussen and Will
 Machine Learning, 2006, equation 4.9). The process is drawn exactly at the points of the table, by the
 eigenvectors of the covariance matrix."""
 
-from __future__ import annotations
-
 import hashlib
 from dataclasses import dataclass
 from functools import cached_property

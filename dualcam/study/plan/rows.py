@@ -9,8 +9,6 @@ The way from a plan to a run:
    arguments: `Scenario.at(values)`.
 4. A row that violates one of `Plan.constraints` is not run; its message says which constraint."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 
 import numpy as np

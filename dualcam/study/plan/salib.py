@@ -1,7 +1,5 @@
 """Problems of SALib, in and out."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any

@@ -1,7 +1,5 @@
 """Tables of runs: CSV and Parquet files, numbers and texts."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """The values of one thing that varies: a range, a distribution, or a list."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field

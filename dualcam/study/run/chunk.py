@@ -1,7 +1,5 @@
 """What a worker does: it makes the runs of a chunk, and writes their file if it sees the study's folder."""
 
-from __future__ import annotations
-
 import json
 import zlib
 from collections.abc import Callable, Mapping, Sequence

@@ -1,7 +1,5 @@
 """What the first runs show before a study starts: values, tables and scenarios that the FMU refuses."""
 
-from __future__ import annotations
-
 import math
 import time
 import warnings

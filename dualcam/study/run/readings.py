@@ -3,8 +3,6 @@
 docs/use-study-results.md, "What can be read", lists the texts of which results are made.
 The FMU is asked for plain values at instants alone, `Readings.raw`; all else is computed of those."""
 
-from __future__ import annotations
-
 import ast
 import math
 import re

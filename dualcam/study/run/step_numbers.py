@@ -1,7 +1,5 @@
 """The steps of the runs of a scenario, for the rows of a plan: runs of one arrangement differ in numbers."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property

@@ -6,8 +6,6 @@ plan is then a line of numbers that is copied into the buffer before the first c
 Where inputs are lines or smooth curves between points at times that vary, the steps of many runs, the same as
 `Scenario.steps` for each, are computed with arrays: a line for each run."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from ctypes import c_double, sizeof

@@ -1,7 +1,5 @@
 """Files of runs: tables of columns as Parquet or CSV, as bytes."""
 
-from __future__ import annotations
-
 import csv
 import importlib.util
 import io

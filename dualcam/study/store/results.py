@@ -1,7 +1,5 @@
 """The results of a study as tables: NumPy arrays, pandas, xarray."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path

@@ -4,8 +4,6 @@ A file appears whole or not at all: in a folder by renaming a finished file, in 
 upload does so.
 """
 
-from __future__ import annotations
-
 import os
 import uuid
 from contextlib import suppress

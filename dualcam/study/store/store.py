@@ -10,8 +10,6 @@ something else has damaged since. A chunk that was written and not recorded is w
 place. One study at a time writes into a folder.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 import platform

@@ -8,8 +8,6 @@
 The result is a `Record` of the motor and of the cam over time.
 """
 
-from __future__ import annotations
-
 import time as clock
 from collections.abc import Mapping
 from itertools import pairwise

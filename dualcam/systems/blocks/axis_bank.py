@@ -1,7 +1,5 @@
 """Many motor-driven axes under loads by one fleet of the forward FMU, begun at any state."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Protocol, Self
 

@@ -1,7 +1,5 @@
 """The current loop of a motor: a PI controller that runs many times within one period of the outer loop."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any, Generic

@@ -4,8 +4,6 @@ A formula of + - * / serves one float and an array with one entry per instance a
 rest. One float goes through the functions of Python, which take a tenth of the time that NumPy takes for it.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import TypeVar

@@ -1,7 +1,5 @@
 """Loads by gravity: a mass on an arm, and a body that hangs on a tilted hinge."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Generic

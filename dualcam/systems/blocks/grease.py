@@ -11,8 +11,6 @@ Sources: H. Vogel, Physikalische Zeitschrift 22 (1921); ASTM D341; M. D. Hersey,
 horizontal journal bearings, Journal of the Washington Academy of Sciences 4 (1914).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass

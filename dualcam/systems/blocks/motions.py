@@ -1,7 +1,5 @@
 """Reference motions: a pick-and-place cycle, and a periodic function given by its Fourier series."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Many equal motors under their current loops, in a few operations of NumPy per control period."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

@@ -4,8 +4,6 @@ Sources: G. Williams, A. Aldrich, E. A. Theodorou, Journal of Guidance, Control,
 weights and update; Z. Yi et al., CoVO-MPC, L4DC (2024), for noise shaped by the curvature of the cost.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import NamedTuple
 

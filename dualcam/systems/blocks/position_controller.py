@@ -7,8 +7,6 @@ back again. So at rest the controller drops its integral, and asks for the small
 well inside the band. For most loads that torque is zero.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """The grid of a plan by direct collocation: equal intervals, each with the nodes of Radau's rule."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import cached_property

@@ -1,7 +1,5 @@
 """The torque of slow motion as the inverse FMU gives it."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Speed control of a load that a cam can hold: PI on speed with feed-forward, and no current at rest."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Protocol

@@ -8,8 +8,6 @@ together with the heat that has gone to the air. The account of that heat is an 
 energy balance is a check.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import lru_cache

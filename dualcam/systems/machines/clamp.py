@@ -9,8 +9,6 @@ The viscosity of the grease is that of a data sheet. The coefficients of frictio
 plausible for greased steel and a housing of 1 kg, not measured.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from typing import NamedTuple
 

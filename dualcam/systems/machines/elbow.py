@@ -5,8 +5,6 @@ of the cam's 80 deg. Gravity then pushes in +theta, compresses the spring and gr
 of a helix under a linear spring does.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property

@@ -6,8 +6,6 @@ Lqi     the controller of the example robot_joint, every 1 ms
 Both answer one period of their own late. The encoder has 12 bits on the motor's rotor.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

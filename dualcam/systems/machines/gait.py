@@ -4,8 +4,6 @@
 markers. Derivatives are those of the series.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Payload and friction of the robot's elbow from an encoder: a particle filter over instances of the FMU."""
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

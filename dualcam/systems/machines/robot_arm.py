@@ -1,7 +1,5 @@
 """The forearm of a UR3e with its wrists and a payload, as load on the elbow."""
 
-from __future__ import annotations
-
 import math
 
 from dualcam.systems.blocks.elementwise import Number

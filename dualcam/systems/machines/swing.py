@@ -5,8 +5,6 @@ one the same curves over the phase of the stride take a shorter or longer time, 
 steps faster. Inertial torques then grow with the square of the cadence, gravity's do not.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
