@@ -54,7 +54,8 @@ typedef struct {
 } Variation;
 
 /* Replaces the variation at the start of the step by the variation at its end. Inputs change by a constant over the
- * whole step. Not for the rate-independent regime. False if the equations have no solution. */
+ * whole step. Not for the rate-independent regime. False if the equations have no solution, or if quadratic damping alone
+ * rules the speed. */
 bool radau_step_vary(const SlipMode *slip, const RadauStep *step, Variation *v);
 
 #endif

@@ -218,27 +218,23 @@ static SmallCorrection small_correction(const RadauSystem *s) {
 
 /* Newton's method with new derivatives until only a correction of a correction is left. An iteration whose corrections
  * no longer shrink has reached the rounding of the forces. */
-static bool solve_for_nodes(RadauSystem *s, NewtonMatrix *newton, Balance node[RADAU_MAX]) {
+bool radau_system_solve(RadauSystem *s, Balance node[RADAU_MAX]) {
+    NewtonMatrix newton;
     RightHandSide rhs[RADAU_MAX];
-    if (!guess(s, newton)) return false;
+    if (!guess(s, &newton)) return false;
     double last = INFINITY, size;
     for (int n = 0; n < RADAU_NEWTON_ITERATIONS; n++) {
         slip_count(s->slip, s->method->stages);
         if (!evaluate(s, rhs, n > 0 ? node : NULL)) return false;
         const SmallCorrection allowed = small_correction(s);
         const double small = allowed.rounding + (s->slip->to_rounding ? 0.0 : allowed.wanted);
-        const bool fresh = !newton->by_series && !(last <= RADAU_CHORD_BELOW * small);
-        if (!correct(s, rhs, newton, fresh, &size)) return false;
+        const bool fresh = !newton.by_series && !(last <= RADAU_CHORD_BELOW * small);
+        if (!correct(s, rhs, &newton, fresh, &size)) return false;
         if (size <= small && n > 0) return true;
         if (n > 3 && size > 0.5 * last) return size <= RADAU_STALLED * allowed.rounding + allowed.wanted;
         last = size;
     }
     return false;
-}
-
-bool radau_system_solve(RadauSystem *s, Balance node[RADAU_MAX]) {
-    NewtonMatrix newton;
-    return solve_for_nodes(s, &newton, node);
 }
 
 /* ---- the edge of the stick band ---- */

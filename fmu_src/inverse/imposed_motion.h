@@ -25,9 +25,10 @@ typedef struct {
     Bernstein F_ext;       /* N */
 } ImposedMotion;
 
-/* The motion over a step of h seconds that starts at theta and omega. GIVEN_ENDS: the cubic through theta and omega at
- * the start and the inputs' theta and omega at the end. Otherwise the inputs hold values at the start, and their
- * polynomial is that of theta, of omega or of alpha. F_ext is always a polynomial from its value at the start. */
+/* The motion over a step of h seconds that starts at theta and omega.
+ * GIVEN_ENDS: the cubic through theta and omega at the start and the inputs' theta and omega at the end.
+ * Otherwise the inputs hold values at the start, and their polynomial is that of theta, of omega or of alpha.
+ * F_ext is always a polynomial from its value at the start. */
 ImposedMotion imposed_motion_over(const InverseInputs *inputs, GivenInput given, double theta, double omega, double h);
 
 /* Sets the inputs to their values at the end of the step. With GIVEN_ENDS theta, omega and alpha are those values
