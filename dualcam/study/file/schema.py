@@ -265,7 +265,8 @@ FILES = {  # what it is; keys needed; others
     "Search": ("An optimisation of an FMU", "fmu plan scenario optimise", "results parameters plots"),
     "SearchSection": ("An optimisation of a design", "plan optimise", "results scenario plots"),
     "Plan": (  # every key that a plan may have
-        *("A parameter study or an optimisation of an FMU", "fmu plan scenario"),
+        "A parameter study or an optimisation of an FMU",
+        "fmu plan scenario",
         "results parameters plots optimise",
     ),
 }
