@@ -39,7 +39,8 @@ def check_picture(path: Path) -> None:
 
 @contextmanager
 def whole_file(path: Path) -> Iterator[Path]:
-    """The name of a file to be written, which becomes `path` at the end of the `with` block, or is removed.
+    """The name of a file to be written, which becomes `path` at the end of the `with` block. If the block
+    fails, it is removed, and a file at `path` stays as it was.
 
     FileError where the system refuses. A device such as /dev/stdout is written directly."""
     target = path.resolve()

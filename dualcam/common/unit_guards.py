@@ -63,7 +63,8 @@ RULES = _rules()
 
 
 def unit_warning(name: str, value: object, shown: str = "") -> str | None:
-    """The warning for a value in the FMU's unit that looks like another unit, or None."""
+    """The warning for a value in the FMU's unit that looks like another unit, or None. `shown`: the name in
+    it, if another one."""
     if isinstance(value, bool) or not isinstance(value, int | float | np.number):
         return None
     rules = RULES.get(re.sub(r"^cam[12]\.", "cam.", name), ())
@@ -72,13 +73,14 @@ def unit_warning(name: str, value: object, shown: str = "") -> str | None:
 
 
 def unit_warnings(parameters: Mapping[str, Any]) -> list[str]:
-    """Warnings for parameters, by name, that look as if they were given in another unit."""
+    """Warnings for parameters in the FMU's units, by name, that look as if they were in another unit."""
     found = (unit_warning(name, value) for name, value in parameters.items())
     return [text for text in found if text]
 
 
 def table_warnings(psi: ArrayLike, z: ArrayLike, radius: float | None = None) -> list[str]:
-    """Warnings for psi [rad] and z [m] of a groove table, shape (n,), on a cam of `radius` [m]."""
+    """Warnings for psi [rad] and z [m] of a groove table, shape (n,). The lead angle is checked, too, where
+    the `radius` [m] of the cam is given."""
     psi, z = np.asarray(psi, dtype=float), np.asarray(z, dtype=float)
     farthest, highest = psi[np.argmax(np.abs(psi))], z[np.argmax(np.abs(z))]
     found = [unit_warning("table.psi", float(farthest), "psi"), unit_warning("table.z", float(highest), "z")]
@@ -93,7 +95,8 @@ def table_warnings(psi: ArrayLike, z: ArrayLike, radius: float | None = None) ->
 
 
 def torque_factor_warnings(factor: float, unit: str = "N.m") -> list[str]:
-    """A warning where measured over expected torque makes another unit of torque likely."""
+    """A warning where measured over expected torque, a `factor`, makes another unit likely than `unit`, from
+    which the measured torques were read."""
     if not factor > 0.0 or 1.0 / FOREIGN < factor < FOREIGN:
         return []
     # A torque that is read too large by this factor has a smaller unit.

@@ -111,7 +111,7 @@ class DesignFile:
 
         Parameters
         ----------
-        model : The model; that of the design if not given: "forward" or "inverse".
+        model : "forward" or "inverse"; that of the design if not given.
 
         Returns
         -------

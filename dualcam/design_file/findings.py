@@ -16,9 +16,9 @@ class Finding:
     ----------
     severity : "error": the design does not work. "warning": what could be meant otherwise.
     key : Key of the design file, such as `cam1.radius`; empty where no single key is concerned.
-    value : Its value.
+    value : Its value, a number, bool or text; None where there is none.
     text : A sentence with key, value, what is allowed, and what would work.
-    nearest : The nearest value of `change` that works, in the unit of that key, where one is known.
+    nearest : The nearest value of `change` that works, in the unit of that key; None where none is known.
     change : The key that would get the value `nearest`; empty where `nearest` is None.
     line : Line of the design file, from 1.
     kind : What is checked, in a word or two.

@@ -323,7 +323,7 @@ class _Reading:
         read: Callable[[Path], tuple[Any, Path]],
         warnings_of: Callable[[Any], Iterable[str]],
     ) -> bool:
-        """Whether the table of a parameter can be read."""
+        """Put the path of what the FMU reads in the place of a table's path; False if it cannot be read."""
         written = parameters[name]
         try:
             table, readable = read((self.path.parent / written).absolute())

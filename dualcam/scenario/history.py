@@ -46,7 +46,7 @@ class History:
 
     Notes
     -----
-    Every number may be a formula over the names that vary, such as "peak" or "0.2 + delay".
+    Every number may be a text: a formula over the names that vary, such as "peak" or "0.2 + delay".
 
     Examples
     --------
@@ -148,7 +148,7 @@ class History:
         """The history as pieces of polynomials: the time [s] at which each piece starts, and there the value
         and its derivatives of orders 1 to 3.
 
-        `stop`: of "sine": end of the pieces [s].
+        `stop`: end of the pieces of a "sine" [s].
         """
         if self.shape == "sine":
             return self._wave_pieces(stop)

@@ -30,7 +30,7 @@ class Controller:
         Function of a module that the workers can import. It returns a new law for each run: a function of the
         time [s] and of the values read, in the order of `reads`. The law returns one number for each of
         `writes`, in their order.
-    period : Time between two calls of the law [s].
+    period : Time between two calls of the law [s], or a formula.
     reads : Real variables that the law gets.
     writes : Inputs that the law gives.
     arguments : Arguments that `create_law` gets by name: numbers, or formulas over the names that vary.
@@ -67,8 +67,8 @@ class Controller:
         return found
 
     def at(self, values: Mapping[str, float | str]) -> Controller:
-        """The controller with the numbers of a run: without formulas. `values` of the run by name; texts for
-        arguments that are such a name alone.
+        """The controller with the numbers of a run: without formulas. `values` of the run by name; of an
+        argument that is such a name alone, also a text.
         """
         arguments = {
             name: text if isinstance(text := values.get(str(each)), str) else number_at(each, values)
@@ -112,8 +112,8 @@ class Scenario:
 
     Notes
     -----
-    Every number may be a formula over the names that vary. `names` says which names the scenario needs, `at`
-    gives the scenario of a run.
+    Every number may be a text: a formula over the names that vary. `names` says which names the scenario
+    needs, `at` gives the scenario of a run.
 
     Examples
     --------
@@ -180,8 +180,7 @@ class Scenario:
     def at(self, values: Mapping[str, float | str]) -> Scenario:
         """The scenario with the numbers of a run: without formulas.
 
-        `values` of the run by name, at least those of `names`. StudyError: the numbers of this run are no
-        scenario.
+        `values` of the run by name, at least those of `names`. StudyError: these numbers are no scenario.
         """
         if not self.names:
             return self

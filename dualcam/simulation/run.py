@@ -53,7 +53,7 @@ class Trajectory:
     Attributes
     ----------
     names : Names of the n columns; the first is `time`.
-    values : In the FMU's units; time in s, shape (samples, n).
+    values : Shape (samples, n), in the FMU's units; time in s.
     """
 
     names: tuple[str, ...]

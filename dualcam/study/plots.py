@@ -83,7 +83,8 @@ def _label(fmu: Fmu, study: Study, name: str) -> str:
     variable, at, time = name.partition("@")
     vary = study.plan.vary.get(name)
     unit = fmu.variable(variable).unit if variable in fmu.names else vary.unit if vary else ""
-    return variable + (f" at {time} s" if at else "") + (f" [{unit}]" if unit and unit != "1" else "")
+    when = " at the end" if time == "end" else f" at {time} s" if at else ""
+    return variable + when + (f" [{unit}]" if unit and unit != "1" else "")
 
 
 def _map(

@@ -96,9 +96,15 @@ class Study:
 
     def job(self) -> Job:
         """What a worker needs for the runs."""
-        plan, fixed = self.plan, dict(self.parameters)
-        what = self.scenario, self.readings.raw, plan.texts, dict(plan.constraints)
-        return Job(str(self.path), plan.names, fixed, *what)
+        return Job(
+            str(self.path),
+            self.plan.names,
+            dict(self.parameters),
+            self.scenario,
+            self.readings.raw,
+            self.plan.texts,
+            dict(self.plan.constraints),
+        )
 
     def run(
         self,
@@ -167,8 +173,11 @@ class Study:
         job = self.job()
         runner = check(job, self.plan, self.readings.used)
         self.plan.rows(0, 1)  # what is too much for the memory is so before anything is written
-        what = self.facts(), self.plan, self.readings, runs_per_file or self._runs_per_file()
-        with closing(runner), closing(Store(folder, *what, file_format)) as store:
+        size = runs_per_file or self._runs_per_file()
+        with (
+            closing(runner),
+            closing(Store(folder, self.facts(), self.plan, self.readings, size, file_format)) as store,
+        ):
             missing = store.missing()
             if console and store.damaged:
                 say(console, f"damaged, made again: {', '.join(store.damaged)}")

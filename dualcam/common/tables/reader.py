@@ -102,7 +102,8 @@ def read_columns(
 ) -> NamedColumns:
     """All columns of a table in a file, by the names in its header; those in `texts` hold texts.
 
-    `converted` takes name, unit and values of a column with a unit. TableError with line and column."""
+    `converted` takes name, unit and values of a column with a unit; None: units are refused. TableError with
+    line and column. UnitWarning for a column without unit that looks like another unit."""
     text, _ = decoded_text(path, what)
     try:
         return _named_columns(text, texts, converted)

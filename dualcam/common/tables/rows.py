@@ -67,7 +67,8 @@ def separator_of(rows: Lines, width: int, places: Iterable[int], usual: str) -> 
 
 
 def cells_of(rows: Lines, width: int, separator: str, decimal: str | None) -> list[str]:
-    """The cells of all rows, row after row, `width` in each. TableError for another number of cells."""
+    """The cells of all rows, row after row, `width` in each. TableError for a row with more, or with fewer
+    between blanks: elsewhere cells that lack at the end of a row are empty."""
     joined = separator.join(rows.texts)
     is_plain = separator != " " and '"' not in joined
     if is_plain and {text.count(separator) for text in rows.texts} == {width - 1}:

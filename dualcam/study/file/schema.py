@@ -196,13 +196,17 @@ PLOT = _table(
         "title": _entry(TEXT, "title of the picture"),
         "x": _entry(TEXT, "`map`, `pareto`: column along the horizontal axis"),
         "y": _entry(TEXT, "`map`, `pareto`: column along the vertical axis"),
-        "z": _entry(TEXT, "`map`: column that the colours show"),
+        "z": _entry(
+            TEXT, "`map`: column that the colours show; of a plan that is no grid, by its means over hexagons"
+        ),
         "of": _entry(TEXT.listed(), "`sobol`: results; the plan is of kind `indices`"),
         "best": _entry(TEXT.listed(), '`pareto`: `"max"` or `"min"`, what is wanted of x and y'),
         "axes": _entry(TEXT.listed(), "`parallel`: columns"),
         "color": _entry(TEXT, "`pareto`, `parallel`: column that the colours show"),
         "highlight": _entry(
-            NUMBER, "`parallel`: share of the runs with the highest colour that is drawn over the rest"
+            NUMBER,
+            "`parallel`: share of the runs with the highest colour that is drawn over the rest, 0.1 if not "
+            "given",
         ),
     },
 )
@@ -265,7 +269,8 @@ FILES = {  # what it is; keys needed; others
     "Search": ("An optimisation of an FMU", "fmu plan scenario optimise", "results parameters plots"),
     "SearchSection": ("An optimisation of a design", "plan optimise", "results scenario plots"),
     "Plan": (  # every key that a plan may have
-        *("A parameter study or an optimisation of an FMU", "fmu plan scenario"),
+        "A parameter study or an optimisation of an FMU",
+        "fmu plan scenario",
         "results parameters plots optimise",
     ),
 }

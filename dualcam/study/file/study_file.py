@@ -61,6 +61,8 @@ def read_study(path: str | Path) -> Study:
 
     Warns
     -----
+    DualcamWarning
+        For each warning about a design file.
     UnitWarning
         The least or greatest value of a name that varies looks as if it were in another unit.
 

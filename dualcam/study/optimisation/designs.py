@@ -56,7 +56,7 @@ class Deviation:
     Parameters
     ----------
     plus_minus : Half-width of the limits, in the unit of the parameter.
-    shape : As in `dualcam.design.tolerances.Tolerance.within`: "normal", "uniform" or "triangular".
+    shape : "normal", "uniform" or "triangular", as in `dualcam.design.tolerances.Tolerance.within`.
 
     Examples
     --------

@@ -61,6 +61,11 @@ def read_optimisation(path: str | Path) -> Optimisation:
     DesignFileError
         The file is a design file with errors.
 
+    Warns
+    -----
+    DualcamWarning
+        For each warning about a design file.
+
     Examples
     --------
     >>> from tempfile import TemporaryDirectory

@@ -129,7 +129,7 @@ class Plan(PlanFields):
 
         Parameters
         ----------
-        columns : Numbers in the FMU's units, or texts, by the name of the variable, shape (runs,).
+        columns : Numbers in the FMU's units, or texts, shape (runs,), by the name of the variable.
         folder : Where relative paths among the texts start; None: the current folder.
 
         Returns

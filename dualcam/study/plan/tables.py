@@ -1,23 +1,29 @@
 """Tables of runs: CSV and Parquet files, numbers and texts."""
 
+from __future__ import annotations
+
 from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from dualcam.common.arrays import TRUTH, Array, real_array
 from dualcam.common.mistakes import StudyError, optional_module
-from dualcam.common.tables import Converter, read_columns
 from dualcam.errors import TableError
 from dualcam.study.plan.texts import GivenTexts
 from dualcam.study.plan.vary import Vary
+
+if TYPE_CHECKING:
+    from dualcam.common.tables import Converter
 
 
 def read_csv(
     path: Path, texts: Collection[str] = (), converted: Converter | None = None
 ) -> dict[str, Sequence[Any] | Array]:
     """Columns by name; those of `texts` have texts. StudyError for a file that is no such table."""
+    from dualcam.common.tables import read_columns  # which only runs from such a file need
+
     try:
         return dict(read_columns(path, "table of runs", texts, converted))
     except TableError as error:

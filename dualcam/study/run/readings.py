@@ -48,7 +48,7 @@ class Reading:
 
 
 class Readings:
-    """The results of a study, by their texts as in the examples of this module. StudyError with all texts
+    """The results of a study, by their texts, which the page named above lists. StudyError with all texts
     that are no results.
 
     `stop` is the end of the runs [s], a formula where it varies; `varied` are the names of the plan.

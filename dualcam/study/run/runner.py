@@ -121,8 +121,14 @@ class Runner:
         self._state: FmuState | None = None
         self._layouts: dict[Key, _Layout] = {}
         job, interface = self.job, self._fmu.interface
-        kind = interface.can_interpolate_inputs, not interface.can_handle_variable_steps
-        self.steps = StepNumbers(job.scenario, job.results, job.names, job.texts, *kind)
+        self.steps = StepNumbers(
+            job.scenario,
+            job.results,
+            job.names,
+            job.texts,
+            interpolates=interface.can_interpolate_inputs,
+            fixed=not interface.can_handle_variable_steps,
+        )
         known = set(self._fmu.names)
         self.columns = [name for name in job.names if name in known]
         self._enter()

@@ -24,9 +24,9 @@ class Results(dict[str, Column]):
     Parameters
     ----------
     columns : Columns by name.
-    study : Plan, scenario, results, parameters and the checksum of the FMU.
-    versions : Python and packages that made the first runs.
-    series : The times [s] of each series, shape (instants,).
+    study : Plan, scenario, results, parameters and the checksum of the FMU, by name.
+    versions : Python and packages that made the first runs, by name.
+    series : The times [s] of each series, shape (instants,), by its name.
 
     Examples
     --------
