@@ -96,7 +96,7 @@ def hinge_tilt() -> float:
 
 @cache
 def extreme_weight_torques() -> tuple[float, float]:
-    """The largest closing and opening torque of the weight, over all angles and design attitudes [N.m]."""
+    """Largest closing and opening torque of the weight, over all angles and attitudes, both > 0 [N.m]."""
     angles = np.linspace(0.0, OPEN, 200)
     torques = [weight(attitude).torque(angle) for attitude in ATTITUDES for angle in angles]
     return -min(torques), max(torques)
