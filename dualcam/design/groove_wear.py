@@ -108,8 +108,8 @@ class Wear:
     theta : Angle of cam 2 [rad], shape (n,).
     psi : Place of the pin along each groove [rad], shape (2, n).
     depth
-        Depth that the flank which supports the spring loses in a cycle [m], normal to the flank, shape (2,
-        n).
+        Depth that the flank which supports the spring loses in a cycle [m], shape (2, n), normal to the
+        flank.
     other_depth
         The same of the other flank, shape (2, n). The pin bears on that flank only while a self-locking cam
         releases.
@@ -158,8 +158,9 @@ class Wear:
         return WearLife(float(grooves[0]), float(grooves[1]), float(pin.min()))
 
     def after(self, cycles: float) -> WornMechanism:
-        """The mechanism after `cycles`, >= 0: wear of the flanks that support the spring and of the pin,
-        torque.
+        """The mechanism after a number of `cycles`, >= 0: lost preload, and torque.
+
+        It has the wear of the flanks that support the spring, and of the pin.
 
         DesignError: so many cycles that the wear is deeper than a quarter of the pin's radius, or that the
         spring is slack.
@@ -196,12 +197,12 @@ class Wear:
 def wear(
     mechanism: Mechanism, pin: Pin, rates: Sequence[float], turns: bool = False, points: int = POINTS
 ) -> Wear:
-    """Wear of grooves and pin in one slow cycle, from the lower stop to the upper one and back.
+    """Wear of grooves and pin of a `mechanism` in one slow cycle, from the lower stop to the upper and back.
 
-    `mechanism`. `pin`: with the specific wear rate of the pin, `pin.wear`. `rates`: specific wear rates of
-    groove 1 and groove 2 [m3/(N.m)], >= 0: the FMU's `cam1.wear`, `cam2.wear`, shape (2,). `turns`: whether
-    the pin turns in the groove, as a roller does. Then the pin wears all around. `points`: angles, evenly
-    over the range, >= 5. DesignError: rates that are negative, too few points, an undercut flank, or grooves
+    `pin`: with the specific wear rate of the pin, `pin.wear`. `rates`: specific wear rates of groove 1 and
+    groove 2 [m3/(N.m)], >= 0, shape (2,): the FMU's `cam1.wear`, `cam2.wear`. `turns`: whether the pin turns
+    in the groove, as a roller does. Then the pin wears all around. `points`: angles, evenly over the range,
+    >= 5. DesignError: rates that are negative, too few points, an undercut flank, or grooves
     that are level together. Source: the formulas at the head of this file.
 
     Examples

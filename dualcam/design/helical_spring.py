@@ -214,7 +214,8 @@ class HelicalSpring:
         return self.correction * self.stress(force)
 
     def static_safety(self, force: float) -> float:
-        """Safety against setting [1]: allowed over uncorrected shear stress under the largest `force` [N]."""
+        """Safety against setting [1]: allowed over uncorrected shear stress under the largest `force` [N];
+        infinite without force."""
         return self.allowed_stress / self.stress(force) if force > 0.0 else math.inf
 
     def fatigue(self, least: float, largest: float) -> Fatigue:
@@ -258,7 +259,7 @@ class HelicalSpring:
         return ZIMMERLI[self.shot_peened]
 
     def buckling_deflection(self, free_length: float) -> float:
-        """Deflection [m] at which the spring buckles between parallel plates; infinite if it never does.
+        """Deflection [m] at which the spring buckles between parallel plates, infinite if never or guided.
 
         `free_length`: length of the unloaded spring [m]. DesignError: a length that is not above 0. Source:
         EN 13906-1, buckling, with the seating coefficient 0.5 and steel.

@@ -4,8 +4,8 @@ With the load N of one contact, the width L of the flank and the relative radius
 
     a = sqrt(4 N R/(pi L E*))     p_max = 2 N/(pi a L)     tau(z) = p_max u (1 - u/sqrt(1 + u^2)),  u = z/a
 
-tau is largest at u^2 = (sqrt(5) - 1)/2. Source: K. L. Johnson, Contact Mechanics (1985), section 4.2(c);
-docs/design-quantities.md.
+E* is `Pin.contact_modulus`. tau is largest at u^2 = (sqrt(5) - 1)/2. Source: K. L. Johnson, Contact Mechanics
+(1985), section 4.2(c); docs/design-quantities.md.
 """
 
 import math
@@ -77,9 +77,10 @@ class Pin:
 def hertz_pressure(load: ArrayLike, pin: Pin, curvature: ArrayLike = 0.0) -> Array:
     """Largest pressure [Pa] between pin and flank, by Hertz; infinite where the flank is undercut.
 
-    `load`: normal force of one contact [N]. `pin`. `curvature`: signed curvature of the path of the pin's
-    centre [1/m], for the flank below the path. For the flank above change the sign. Source: the formulas at
-    the head of this file; K. L. Johnson, Contact Mechanics (1985), section 4.2(c).
+    `load`: normal force of one contact of the `pin` [N]. `curvature`: signed curvature of the path of the
+    pin's centre [1/m], + where the groove steepens, for the flank below the path. For the flank above change
+    the sign. Source: the formulas at the head of this file; K. L. Johnson, Contact Mechanics (1985), section
+    4.2(c).
 
     Examples
     --------
@@ -112,11 +113,11 @@ class LineContact:
 
 
 def relative_radius(pin: Pin, curvature: ArrayLike = 0.0) -> Array:
-    """Relative radius of pin and flank [m]: 1/(1/r_pin + curvature of the flank).
+    """Relative radius of `pin` and flank [m]: 1/(1/r_pin + curvature of the flank, + where it bulges).
 
     It is r_pin for a straight flank, more on a hollow flank, less on a bulging one; 0 or less where the flank
-    is undercut. `pin`. `curvature`: as in `hertz_pressure`, + where the groove steepens. The flank is
-    parallel to the path at distance r_pin, so its curvature is k/(1 + k r_pin).
+    is undercut. `curvature`: k of the path, as in `hertz_pressure`. The flank is parallel to the path at
+    distance r_pin, so its curvature is -k/(1 + k r_pin).
 
     Examples
     --------
@@ -131,10 +132,10 @@ def relative_radius(pin: Pin, curvature: ArrayLike = 0.0) -> Array:
 def line_contact(load: ArrayLike, pin: Pin, curvature: ArrayLike = 0.0) -> LineContact:
     """Half width, pressure and shear stress of the line contact between pin and flank.
 
-    `load`: normal force of one contact [N], >= 0. `pin`. `curvature`: signed curvature of the path of the
-    pin's centre [1/m], as in `hertz_pressure`. On an undercut flank the pressure is infinite. DesignError: a
-    load that is negative or not finite. Source: the formulas at the head of this file; K. L. Johnson, Contact
-    Mechanics (1985), section 4.2(c).
+    `load`: normal force of one contact of the `pin` [N], >= 0. `curvature`: signed curvature of the path of
+    the pin's centre [1/m], as in `hertz_pressure`. On an undercut flank the pressure is infinite.
+    DesignError: a load that is negative or not finite. Source: the formulas at the head of this file; K. L.
+    Johnson, Contact Mechanics (1985), section 4.2(c).
 
     Examples
     --------
@@ -158,7 +159,7 @@ def line_contact(load: ArrayLike, pin: Pin, curvature: ArrayLike = 0.0) -> LineC
 
 
 def shear_below(depth: ArrayLike, half_width: float, pressure: float) -> Array:
-    """Largest shear stress below the middle of a line contact, by McEwen [Pa], of the shape of `depth`.
+    """Largest shear stress [Pa] below the middle of a line contact, by McEwen, of the shape of `depth`.
 
     `depth` below the surface [m], >= 0. `half_width`: half the width a of the contact [m], > 0. `pressure`:
     largest pressure of the contact [Pa]. Source: K. L. Johnson, Contact Mechanics (1985), section 4.2(c).

@@ -243,7 +243,7 @@ class Mechanism:
         return found | {f"cam{i}.friction": mu for i, mu in enumerate(self.friction, 1)}
 
     def parameters(self, directory: str | Path) -> dict[str, float | int | str]:
-        """Start values for `Fmu.start`. `directory`: for tables, `groove1.csv` and `groove2.csv`."""
+        """Start values for `Fmu.start`. Tables go into `directory`, as `groove1.csv`, `groove2.csv`."""
         found: dict[str, float | int | str] = {**self.parameters_without_tables()}
         for i, groove in enumerate(self.grooves, 1):
             if isinstance(groove, Table):
@@ -264,6 +264,7 @@ def meeting(first: Groove, second: Groove, theta: Array) -> Array:
     )
     gamma = np.clip(0.5 * theta, low, high)
     before = high - low
+    # Newton's steps can go to and fro between two slopes: where they do not shrink, the bracket is halved
     for _ in range(200):
         one, two = first.at(gamma), second.at(theta - gamma)
         excess, slope = one.z - two.z, one.slope + two.slope

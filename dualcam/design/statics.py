@@ -64,8 +64,9 @@ class Transfer:
 def transfer(
     slope: Pair, friction: Pair, radius: Pair, sign: int, flank: tuple[int, int] = (1, 1)
 ) -> Transfer:
-    """Torque and reactions per newton of the axial force F, by the formulas at the head of this file, where
-    `Transfer.regular`. `flank`: +1 where the pin bears on the flank that supports F."""
+    """Torque and reactions per newton of the axial force F, by the formulas at the head of this file, also
+    where they have no meaning: see `Transfer.regular`. `sign`: sigma. `flank` of each groove: +1 where the
+    pin bears on the flank that supports F, else -1."""
     given = [np.asarray(one) for pair in (slope, friction, radius) for one in pair]
     kind = np.result_type(float, *given)  # complex for derivatives by a complex step
     parts = np.broadcast_arrays(*(one.astype(kind) for one in given))
@@ -220,7 +221,7 @@ class EfficiencyMap:
     radius: tuple[float, float]
 
     def draw(self, axes: Axes) -> QuadContourSet:
-        """Contours with the optimum, for `figure.colorbar`; grey where the spring cannot drive back.
+        """Contours with the optimum, for `figure.colorbar`; grey where the spring cannot drive the cam back.
 
         `axes`: where the map is drawn.
         """

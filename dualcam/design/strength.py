@@ -124,13 +124,13 @@ class Assessment(Strength):
 def assess(
     mechanism: Mechanism, pin: Pin | None, limits: Limits | None = None, points: int = POINTS
 ) -> Assessment:
-    """Can the grooves be made, do they carry their load, and does the FMU start with them?
+    """Can the grooves of a `mechanism` be made, do they carry their load, and does the FMU start with them?
 
     The assessment has the properties where both grooves reach, shape (points,), and findings: each kind of
     failure once for each groove, at the first angle where it occurs. Without findings (`good`) the FMU starts
     with `mechanism.parameters(...)`.
 
-    `mechanism`. `pin`: without a pin neither undercut nor contact pressure is checked. `limits`: allowed lead
+    `pin`: without a pin neither undercut nor contact pressure is checked. `limits`: allowed lead
     angles, pressure and self-locking. `points`: angles, evenly over the range, at which the properties are
     computed; a failure is located in between. DesignError: for fewer than 2 points.
 

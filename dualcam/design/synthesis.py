@@ -105,9 +105,9 @@ def propose_spring(
     costs least. `SpringProposal.spring` goes into `synthesize`.
 
     `torque`, `upper`, `direction`, `groove2`, `friction`, `radius`, `contacts`, `kinks`, `tolerance`: as in
-    `synthesize`. `spring`: the spring to change. `vary`: "preload", "stiffness" or "both": new ones with
-    which the force doubles over about the range. DesignError: no such spring is found, or an argument is not
-    allowed. UnitWarning: as in `synthesize`.
+    `synthesize`. `spring`: the spring to change. `vary`: what may be changed, "preload", "stiffness" or
+    "both": new ones with which the force doubles over about the range. DesignError: no such spring is found,
+    or an argument is not allowed. UnitWarning: as in `synthesize`.
 
     Examples
     --------

@@ -52,7 +52,8 @@ def identify(
         What is fitted: real parameters of the FMU such as `spring.preload` or `cam1.friction`; `friction`,
         `friction_peak` and the like for one value of both cams; `torque_offset` and `angle_offset` for the
         zero errors of the sensors.
-    motion : Whether the acceleration counts. auto: it does where it stands out of its noise.
+    motion : {"auto", "quasi-static", "dynamic"}
+        Whether the acceleration counts. auto: it does where it stands out of its noise.
     window
         Length of the window in which the angle is smoothed [s]. Default: that of the least error of
         prediction.

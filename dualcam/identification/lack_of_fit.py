@@ -82,8 +82,8 @@ def lack_of_fit(
 
     The derivatives of the torque by the fitted values are extended by those of one further value. One step
     of Gauss and Newton gives the change that the residuals ask for, with its 95 % interval. The interval is
-    that of the fit: the blocks in time take into account that neighbouring residuals are alike. The
-    values found are the one that explains most of the residual, if its change is beyond doubt, and those that
+    that of the fit: the blocks in time take into account that neighbouring residuals are alike. The missing
+    values are the one that explains most of the residual, if its change is beyond doubt, and those that
     explain nearly as much. `force`: axial force on the follower [N], shape (n,).
     """
     others = _others(design, motion, unknowns)

@@ -51,8 +51,8 @@ class MeasuredMotion:
 
 
 def motion_of(recording: Recording, kind: str = AUTO, window: float | None = None) -> MeasuredMotion:
-    """The motion behind a recording; `kind` "auto" is dynamic where the acceleration stands out of its noise,
-    `window` [s] None that of the least error of prediction."""
+    """The motion behind a recording. `kind` is one of KINDS: "auto" is dynamic where the acceleration stands
+    out of its noise. `window` of the local polynomials [s]; None: that of the least error of prediction."""
     if kind not in KINDS:
         raise IdentificationError(f"motion = {kind!r}: allowed are {', '.join(KINDS)}")
     time = recording.time

@@ -47,9 +47,8 @@ def smooth(time: Array, samples: Array, half: int | None = None) -> Smooth:
     else:
         half = min(max(half, NARROWEST), (len(time) - 1) // 2)
         noise = _best(time, samples, [width for width in widths if width <= half])[1]
-    value, slope, curvature, slope_gain, curvature_gain = _parts(time, samples, np.arange(len(time)), half)[
-        :5
-    ]
+    parts = _parts(time, samples, np.arange(len(time)), half)
+    value, slope, curvature, slope_gain, curvature_gain = parts[:5]
     return Smooth(value, slope, curvature, noise * slope_gain, noise * curvature_gain, noise, half)
 
 

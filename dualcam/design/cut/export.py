@@ -40,7 +40,7 @@ def export_groove(
         which are also a groove table. `.dxf`: drawing of the unwrapped cylinder [mm]. `.step`: solid of the
         cam [mm]. With two cams there are two files: `groove_cam1.dxf` and `groove_cam2.dxf` for `groove.dxf`.
     pin_radius : Radius of the pin [m].
-    cams : Which cams, 1 or 2.
+    cams : Which cams: 1, 2 or both.
     run_out, loading : As in `GrooveCut`.
     depth, outer_radius, bore_radius, length : As in `CamBody.around`, for `.step`.
 

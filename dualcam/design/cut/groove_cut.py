@@ -50,7 +50,7 @@ class GrooveCut:
     Parameters
     ----------
     mechanism : Both grooves and the stops: they say how far the pin moves in each groove.
-    cam : Cam 1 stands still, cam 2 turns, 1 or 2.
+    cam : Which cam, 1 or 2. Cam 1 stands still, cam 2 turns.
     pin_radius : Radius of the pin [m].
     run_out
         Length by which the groove goes on beyond both ends of the pin's travel [m], straight at the lead

@@ -17,7 +17,8 @@ Curves = Callable[[Array], Array]
 
 
 def places(cut: GrooveCut, curves: Curves, most: float = CHORD_ERROR, intervals: int = 1) -> Array:
-    """Increasing angles psi [rad] with the stops: straight lines between them are at most `most` [m] off."""
+    """Increasing angles psi [rad] with the stops, so close that straight lines are at most `most` [m] off.
+    `intervals`: at least so many between the stops."""
     psi = np.unique([cut.begin, *np.linspace(*cut.travel, intervals + 1), cut.end])
     while True:
         coarse = chord_errors(psi, curves) > most

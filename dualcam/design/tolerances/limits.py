@@ -20,8 +20,8 @@ class Limit:
     """Allowed values of one quantity at all angles.
 
     `quantity`: a quantity of the analysis, one of "load", "release", "efficiency", "z", "backlash". `least`,
-    `most`: bounds in the quantity's unit: one number, a value for each angle, or a function of the angles
-    [rad], shape (n,). DesignError: another quantity, no bound, or a least value above the most.
+    `most`: bounds in the quantity's unit: one number, a value for each angle, shape (n,), or a function of
+    the angles [rad]; None: none. DesignError: another quantity, no bound, or a least value above the most.
 
     Examples
     --------

@@ -36,7 +36,8 @@ class Tolerance:
     name
         Parameter, such as `"cam1.friction"`. Several names share each value: `("cam1.friction",
         "cam2.friction")` are two contacts with one grease.
-    distribution : Such as `scipy.stats.norm(0.14, 0.01)`, in the unit of the parameter.
+    distribution
+        Frozen distribution of scipy.stats, such as `scipy.stats.norm(0.14, 0.01)`, in the parameter's unit.
 
     Raises
     ------

@@ -80,6 +80,7 @@ class CamGear(NamedTuple):
         return self.offset + theta / self.ratio
 
 
+@also_called(size="step")
 def angle_amid(angle: Number, speed: Number, step: float) -> Number:
     """The angle [rad] at half of a step, at which a load acts that is held over the step.
 

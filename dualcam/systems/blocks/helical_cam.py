@@ -81,7 +81,7 @@ class HelicalCam:
         return (1.0 - self.efficiency) / (1.0 + self.efficiency)
 
     def band(self, theta: float) -> tuple[float, float]:
-        """The stick band at `theta` [rad]: torques [N.m] that just release and just load."""
+        """Stick band at `theta` [rad]: torques [N.m] that just release and just load; between, it rests."""
         force = self.preload + self.stiffness * self.dz_dtheta * theta
         return self.release_arm * force, self.load_arm * force
 

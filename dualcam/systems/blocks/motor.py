@@ -64,7 +64,7 @@ class Motor:
     def with_gear(self, ratio: float) -> Motor:
         """The same motor behind another gear without losses.
 
-        `ratio`: turns of this motor's output per turn of the new one [1].
+        `ratio`: turns of this motor's output per turn of the new one [1], which is slower by this factor.
         """
         return replace(
             self,

@@ -62,7 +62,7 @@ class MotorBank:
         self._squares = tuple(squares.tolist())  # T, b, c [s]
 
     def stop(self, chosen: NDArray[np.bool_]) -> None:
-        """Begin anew without current in the `chosen` motors, shape (count,)."""
+        """Begin anew without current in the motors that are `chosen`: truth values, shape (count,)."""
         self.current[chosen] = self._integral_voltage[chosen] = 0.0
 
     def run(self, torque: Array, speed: Array) -> MotorPeriod[Array]:

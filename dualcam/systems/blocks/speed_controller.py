@@ -59,7 +59,7 @@ class SpeedController:
         """The motor's torque [N.m] for the coming period.
 
         `angle`, `speed`: of the load [rad, rad/s]. `reference`, `next_reference`: planned angle [rad] and
-        speed [rad/s] at the beginning and at the end of the period; the angle is not used.
+        speed [rad/s] at the beginning and at the end of the period; both angles are not used.
         """
         weight = self.load.torque(angle)
         low, high = self.cam.band(angle)

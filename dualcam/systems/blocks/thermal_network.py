@@ -90,7 +90,7 @@ class TwoMassNetwork:
         )
 
     def settled(self, power: float) -> ThermalState:
-        """Temperatures after a long time under a `power` into the contact zone [W]; accounts are 0."""
+        """Temperatures after long under a constant `power` into the contact zone [W]; accounts are 0."""
         housing = self.air + power / self.air_conductance
         return ThermalState(housing + power / self.contact_conductance, housing)
 

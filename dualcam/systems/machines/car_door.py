@@ -96,7 +96,7 @@ def hinge_tilt() -> float:
 
 @cache
 def extreme_weight_torques() -> tuple[float, float]:
-    """The largest closing and opening torque of the weight, over all angles and design attitudes [N.m]."""
+    """Largest closing and opening torque of the weight, over all angles and attitudes, both > 0 [N.m]."""
     angles = np.linspace(0.0, OPEN, 200)
     torques = [weight(attitude).torque(angle) for attitude in ATTITUDES for angle in angles]
     return -min(torques), max(torques)
@@ -223,7 +223,7 @@ def door_axis(fmu: Fmu) -> CamAxis:
 
 
 def plant_parameters(cam: DoorCam) -> dict[str, float]:
-    """Start values of the FMU for the door by name, in SI units. `cam` and damper."""
+    """Start values of the FMU by name, in SI units, for the door with `cam` and damper."""
     return {
         **cam.parameters(),
         "inertia.shaft": INERTIA / RATIO**2,
@@ -255,7 +255,7 @@ def controller(cam: DoorCam, attitude: str) -> SpeedController:
 
 
 def reference_motion() -> tuple[Array, Array]:
-    """The plan: angle [rad] and speed [rad/s] at the control periods' ends, shape (n + 1,) each."""
+    """Open, hold, close: planned angle [rad] and speed [rad/s] at the periods' ends, shape (n + 1,) each."""
     periods = round(DURATION / CONTROL_PERIOD)
     return MOTION.sample(MOTION.dwell + CONTROL_PERIOD * np.arange(periods + 1))
 

@@ -99,7 +99,7 @@ def horizontal_torque(payload: float) -> float:
 
 
 def friction_heat_of_slow_cycle(cam: HelicalCam) -> float:
-    """The friction heat [J] of the `cam` in a slow cycle: the area between T_load and T_release."""
+    """Friction heat [J] of `cam` in a slow cycle over MOTION: the area between T_load and T_release."""
     middle = 0.5 * (MOTION.start + MOTION.end)  # the band is affine in theta, so its mean is its middle
     release, load = cam.band(middle)
     return (load - release) * (MOTION.end - MOTION.start)

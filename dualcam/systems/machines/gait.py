@@ -33,8 +33,7 @@ class Walker:
     stride : Duration of a stride at the self-selected cadence [s].
     thigh : Series of the thigh's inclination [rad], + knee ahead of the hip.
     knee : Series of the knee's flexion [rad].
-    forward : m, the knee's path
-    upward : m
+    forward, upward : Series of the knee's path [m].
     published
         Published figures: percent of the stride, knee flexion [deg], knee extension moment [N.m per kg of
         body mass].

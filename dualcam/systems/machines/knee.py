@@ -125,8 +125,8 @@ def simulate(
 
     The drive goes to the FMU as a polynomial of time with its first two derivatives, the motor's torque as
     the control period's mean. `fmu`: the forward FMU. `motion`: the measured motion, which is the plan.
-    `cam`: start values of the cam. `controller`: none: the motor is off. FmuError: the FMU refuses a value or
-    a step.
+    `cam`: start values of the cam. `controller`: without one the motor is off. FmuError: the FMU refuses a
+    value or a step.
     """
     walker, pendulum, period = motion.walker, motion.walker.pendulum, motion.period
     axis = CamAxis(fmu)
