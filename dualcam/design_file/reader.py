@@ -291,7 +291,9 @@ class _Reading:
             groove = f"the groove of {cam} is {'an' if law.word[0] in 'aeiou' else 'a'} {law.word}"
             for name in PARAMETERS:
                 key = f"{cam}.{name}"
-                if key in parameters and name not in law.parameters:
+                if (
+                    parameters.get(key, "") != "" and name not in law.parameters
+                ):  # an empty path names no table
                     words = " or ".join(f'"{other.word}"' for other in laws_with(name))
                     text = f"{key} is not used: {groove}. {key} belongs to {profile} = {words}"
                     self.warn(key, parameters[key], text, "unused")
