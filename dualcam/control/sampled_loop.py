@@ -197,7 +197,7 @@ class LoopMotion:
         too slow for the duration.
     amplitude : Half the range of the angle [rad], 0 at rest.
     torque : Half the range of the torque [N.m].
-    frequency : Angular frequency [rad/s], the mean one of irregular cycles; NaN at rest.
+    frequency : Angular frequency of cycles [rad/s], the mean one of irregular cycles; else NaN.
     lowest, highest : Ends of the angle's range [rad].
     """
 

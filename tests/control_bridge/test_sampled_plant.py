@@ -41,8 +41,9 @@ def test_a_sampled_plant_is_the_stepped_fmu(slave, parameters, period):
     assert slave.get("events") > events
 
 
-def test_outputs_in_one_text():
-    system = dualcam.to_nonlinear_io_system(FORWARD, "tau", "theta, spring.force", period=PERIOD)
+@pytest.mark.parametrize("names", ["theta, spring.force", {"theta": "rad", "spring.force": "N"}.keys()])
+def test_outputs_by_one_text_or_the_keys_of_a_dict(names):
+    system = dualcam.to_nonlinear_io_system(FORWARD, "tau", names, period=PERIOD)
     assert (system.input_labels, system.output_labels) == (["tau"], ["theta", "spring_force"])
 
 
