@@ -181,10 +181,16 @@ def _read(fmu: Handle, outputs: list[str], x: Array) -> Array:
 class CamSystem(control.NonlinearIOSystem):
     """A plant whose FMU has the start values of the constructor."""
 
-    def __init__(self, fmu: Handle, *functions: Callable[..., Array], **options: Any) -> None:  # noqa: ANN401
+    def __init__(
+        self,
+        fmu: Handle,
+        *functions: Callable[..., Array],
+        outputs: list[str],
+        **options: Any,  # noqa: ANN401
+    ) -> None:
         variables = fmu.description.variables
         self._parameters = [variable.name for variable in variables if variable.causality == "parameter"]
-        super().__init__(*functions, **options)
+        super().__init__(*functions, outputs=[*map(_label, outputs)], states=list(STATES), **options)
 
     def _update_params(self, params: Mapping[str, Any]) -> None:
         """python-control calls this at the beginning of each run."""
@@ -264,16 +270,7 @@ class ContinuousCamSystem(CamSystem):
         # Copies of the system share the FMU, whose whole state each call sets: only functions refer to it.
         self._linear_model = linear_model
         self._begins = False
-        super().__init__(
-            fmu,
-            rates,
-            output,
-            inputs=inputs,
-            outputs=[*map(_label, names)],
-            states=list(STATES),
-            name=name,
-            dt=0,
-        )
+        super().__init__(fmu, rates, output, inputs=inputs, outputs=names, name=name, dt=0)
 
     def _update_params(self, params: Mapping[str, Any]) -> None:
         super()._update_params(params)
@@ -343,13 +340,4 @@ def _sampled(
             runs.initialize([*x, *all_inputs(u)])
         return _read(fmu, names, x)
 
-    return CamSystem(
-        fmu,
-        update,
-        output,
-        inputs=inputs,
-        outputs=[*map(_label, names)],
-        states=list(STATES),
-        name=name,
-        dt=period,
-    )
+    return CamSystem(fmu, update, output, inputs=inputs, outputs=names, name=name, dt=period)

@@ -1,6 +1,6 @@
 """The forward FMU as a function of state and inputs, for linear models and plants of python-control."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TypeVar
 
@@ -43,9 +43,11 @@ def open_forward(
 
 
 def name_list(names: object) -> list[str]:
-    """Names of signals: of a sequence, or of one text with commas between the names."""
+    """Names of signals: of a list or an array, or of one text with commas between the names."""
     if isinstance(names, str):
         return [name.strip() for name in names.split(",")]
+    if isinstance(names, Iterable) and not isinstance(names, np.ndarray):
+        names = list(names)  # also the keys of a dict
     return [str(name) for name in np.ravel(np.array(names, dtype=object))]
 
 

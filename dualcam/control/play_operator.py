@@ -132,7 +132,7 @@ class PlayOperator(control.DescribingFunctionNonlinearity):
         return tau, theta
 
     def steady_angle(self, tau: Array) -> Array:
-        """The angle in the steady cycle under any periodic torque [rad], shape (n,). `tau`: a period of the
+        """The angle [rad] in the steady cycle under any periodic torque, shape (n,). `tau`: a period of the
         torque [N.m], shape (n,).
         """
         lowest, highest = (self._angle_at_edge(tau, rising).tolist() for rising in (True, False))
@@ -142,7 +142,7 @@ class PlayOperator(control.DescribingFunctionNonlinearity):
         return np.array(found)
 
     def bias_at(self, amplitude: float) -> float:
-        """The bias of cycles of an amplitude: as given, or the one with the mean angle `theta` [N.m].
+        """The bias [N.m] of cycles of an amplitude: as given, or the one with the mean angle `theta`.
         `amplitude`: of the torque [N.m].
         """
         if self.bias is not None:

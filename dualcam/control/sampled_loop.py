@@ -197,7 +197,7 @@ class LoopMotion:
         too slow for the duration.
     amplitude : Half the range of the angle [rad], 0 at rest.
     torque : Half the range of the torque [N.m].
-    frequency : Angular frequency [rad/s], the mean one of irregular cycles; NaN at rest.
+    frequency : Angular frequency of cycles [rad/s], the mean one of irregular cycles; else NaN.
     lowest, highest : Ends of the angle's range [rad].
     """
 
@@ -276,6 +276,7 @@ class _Record:
 
     def __init__(self, room: float) -> None:
         self._rows: list[tuple[float, float, float]] = []
+        self._seen = np.empty((0, 3))  # the rows at the latest look
         self._least = REST * room
         self._next = 0  # rows at which the record is looked at again
 
@@ -297,7 +298,9 @@ class _Record:
 
     def _late(self, share: float) -> tuple[Array, Array, Array]:
         """The last part of the record."""
-        time, theta, torque = np.array(self._rows).T
+        if len(self._seen) < len(self._rows):
+            self._seen = np.array(self._rows)
+        time, theta, torque = self._seen.T
         late = time >= (1.0 - share) * time[-1]
         return time[late], theta[late], torque[late]
 
@@ -305,13 +308,13 @@ class _Record:
         """The limit cycle, if the latest cycles are equal and do not grow."""
         time, theta, torque = self._late(0.5)
         ups = _rises(theta)[-CYCLES - 1 :]
-        if np.ptp(theta) <= self._least or len(ups) <= CYCLES or self.grows():
+        if np.ptp(theta) <= self._least or len(ups) <= CYCLES:
             return None
         ranges, periods = _ranges(theta, ups), np.diff(time[ups])
         resolution = 2.0 * (time[1] - time[0])  # of a period, a sample at each end
         if np.ptp(ranges) > EQUAL * ranges.max() or np.ptp(periods) > EQUAL * periods.max() + resolution:
             return None
-        return _settled("cycle", ups, time, theta, torque)
+        return None if self.grows() else _settled("cycle", ups, time, theta, torque)
 
     def grows(self) -> bool:
         """Whether the swing is larger in each quarter of the latest cycles, and the growth does not fade."""

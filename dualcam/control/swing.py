@@ -17,8 +17,8 @@ LAST_STEP = 1e-9  # of the torque, and of 1e-6 N.m: Newton's method has ended
 class Harmonics(NamedTuple):
     """Of the torque over the amplitude A of the angle, at theta = middle + A sin(phase)."""
 
-    mean: float  # N.m
-    first: complex  # N.m/rad: times A it is the phasor of the torque beside the angle's A
+    mean: float  # N.m, of the torque itself
+    first: complex  # N.m/rad, as the next ones: times A it is the phasor of the torque beside the angle's A
     second: complex
     third: complex
 

@@ -198,8 +198,9 @@ def _phi(x: float) -> Array:
 def cam_of_step(step: float, dtheta_dtau: float, domega_dtau: float) -> tuple[float, float] | None:
     """Inertia J [kg.m2] and viscous damping B [N.m.s/rad] of the cam, from a step's interface Jacobian.
 
-    None where the cam did not slide throughout the step. `step`: communication step h [s]. `dtheta_dtau`,
-    `domega_dtau`: `step.dtheta_dtau` [rad/(N.m)] and `step.domega_dtau` [rad/(N.m.s)] after that step.
+    Both are as the shaft feels them. None where the cam did not slide throughout the step. `step`:
+    communication step h [s]. `dtheta_dtau`, `domega_dtau`: `step.dtheta_dtau` [rad/(N.m)] and
+    `step.domega_dtau` [rad/(N.m.s)] after that step.
 
     Notes
     -----

@@ -98,8 +98,8 @@ class Batch:
         """Begin new episodes. Returns the observations of all instances, shape (count, entries).
 
         `numbers`: random numbers in [0, 1), shape (count, task.draws), of which only the rows of the chosen
-        instances count. `chosen`: the instances that begin anew, shape (count,). Default: all. TaskError: a
-        wrong argument: no instance begins anew.
+        instances count. `chosen`: bool, which instances begin anew, shape (count,). Default: all. TaskError:
+        a wrong argument: no instance begins anew.
         """
         given = real_array(numbers, "numbers", TaskError)
         if given.shape != (self.count, self.task.draws):

@@ -148,5 +148,5 @@ def check_range(name: str, over: object, least: float, most: float, unit: str) -
 
 def highest_speed(torque: float, travel: float, inertia: float) -> float:
     """A speed [rad/s] that an axis between two end stops cannot exceed: it turns back at zero speed, so all
-    energy comes from one way of `travel` [rad] under at most `torque` [N.m]."""
+    energy comes from one way of `travel` [rad] under at most `torque` [N.m]. `inertia`: the least [kg.m2]."""
     return math.sqrt(2.0 * torque * travel / inertia)

@@ -212,7 +212,7 @@ class CamSimulation:
         """Begin anew with the cams at their joints' present angles, each with the torque nearest to 0 in its
         stick band. Call this after `mujoco.mj_resetData`, or after another change of the state.
 
-        `instances`: numbers of the mjData, or which of them, shape (count,). Default: all.
+        `instances`: numbers of the mjData, or bool of shape (count,), which of them. Default: all.
         """
         chosen = chosen_instances(instances, len(self.data)).astype(bool)
         self._read_joints(chosen)
@@ -236,9 +236,10 @@ class CamSimulation:
         return self._port(joint).fleet
 
     def set_motor(self, joint: str, torque: ArrayLike) -> None:
-        """Set the `torque` of a DriveTrain's motor on the cam [N.m], shape (count,), from the next step on.
+        """Set the `torque` of a DriveTrain's motor on the cam [N.m], from the next step on.
 
-        `joint`: its name. MujocoError: the joint has no DriveTrain, or a torque is not finite.
+        `torque`: one for all, or shape (count,). `joint`: its name. MujocoError: the joint has no DriveTrain,
+        or a torque is not finite.
         """
         port = self._port(joint)
         if not isinstance(port, DrivePort):

@@ -47,7 +47,7 @@ class ShaftLaw(Protocol):
         ...
 
     def torque(self, mobility: Array, given: Array | float) -> Array:
-        """The torque on the cam [N.m], shape (count,), of a mobility a_ii [rad/s2 per N.m] and c_i times the
+        """The torque on the cam [N.m], shape (count,), of a mobility A_ii [rad/s2 per N.m] and c_i times the
         sum over the other shafts, `given` [N.m]."""
         ...
 

@@ -67,7 +67,7 @@ def test_without_inertia_it_is_the_play_of_the_torque():
 
 
 def test_other_outputs_and_an_input_left_out():
-    outputs = ["alpha", "mode", "torque_load", "cam1.reaction", "theta"]
+    outputs = dict.fromkeys(["alpha", "mode", "torque_load", "cam1.reaction", "theta"]).keys()
     for period in (None, PERIOD):
         system = dualcam.to_nonlinear_io_system(FORWARD, "tau", outputs, {"F_ext": 25.0}, period)
         assert system.output_labels == ["alpha", "mode", "torque_load", "cam1_reaction", "theta"]
