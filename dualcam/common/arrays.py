@@ -88,6 +88,17 @@ def number_of(
     return number
 
 
+def given_once(**named: float | None) -> tuple[str, float | None]:
+    """Name and value of an argument that has several names: the first one where none is given.
+
+    FmuError where two are given."""
+    given = {name: value for name, value in named.items() if value is not None}
+    if len(given) > 1:
+        text = " and ".join(f"{name} = {value!r}" for name, value in given.items())
+        raise FmuError(f"{text}: allowed is one of them, they mean the same")
+    return next(iter((given or named).items()))
+
+
 def positive_number(
     value: object, name: str, allowed: str = "a finite number > 0", error: type[DualcamError] = FmuError
 ) -> float:

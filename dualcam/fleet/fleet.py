@@ -11,7 +11,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from dualcam.common.arrays import Array, number_of, positive_number, real_array
+from dualcam.common.arrays import Array, given_once, number_of, positive_number, real_array
 from dualcam.common.process_bound import ProcessBound
 from dualcam.common.unit_guards import warn_units
 from dualcam.errors import FleetError, FmuError, UnknownVariableError
@@ -182,7 +182,7 @@ class Fleet(ProcessBound):
         FmuError
             A wrong shape or type, or a value that is not finite: no instance made the step.
         """
-        return self._roll(u, (), step if h is None else h, out)
+        return self._roll(u, (), step, h, out)
 
     def rollout(
         self, u: ArrayLike, step: float | None = None, out: Array | None = None, *, h: float | None = None
@@ -210,12 +210,16 @@ class Fleet(ProcessBound):
         ...     fleet.rollout(torque, 1e-3)[:, -1].round(3).tolist()  # rad, rad/s
         [[1.206, 9.05], [0.7, -5.543]]
         """
-        return self._roll(u, (steps_of(u),), step if h is None else h, out)
+        return self._roll(u, (steps_of(u),), step, h, out)
 
-    def _roll(self, u: ArrayLike, steps: tuple[int, ...], step: float | None, out: Array | None) -> Array:
+    def _roll(
+        self, u: ArrayLike, steps: tuple[int, ...], step: float | None, h: float | None, out: Array | None
+    ) -> Array:
         """Steps of all instances. `steps`: the shape of one column of inputs of one instance."""
         shape = (self.count, *steps, len(self.inputs))
         inputs = np.ascontiguousarray(real_array(u, "u", FmuError, shape))
+        if h is not None:
+            _, step = given_once(step=step, h=h)
         if type(step) is not float or not 0.0 < step < math.inf:
             step = positive_number(step, "step", "a finite number > 0, in s")
         wanted = (self.count, *steps, len(self.outputs))
