@@ -88,8 +88,8 @@ class Verdict:
         return self.starts and not self.errors
 
     def to_json(self) -> dict[str, Any]:
-        """The verdict for json.dumps: name, model, good, starts, findings, notes, and numbers in SI
-        units, which are null for a design with errors."""
+        """The verdict for json.dumps: name, model, good, starts, findings (a list of dictionaries), notes,
+        and numbers in SI units, which are null for a design with errors."""
         return {
             "name": self.name,
             "model": self.model,
@@ -102,11 +102,12 @@ class Verdict:
 
 
 def check_design(design: DesignSource) -> Verdict:
-    """Check a design and start its FMU.
+    """Check a design and start its FMU. DesignFileError where the file is refused, FmuError where this
+    package's FMUs are missing.
 
     Parameters
     ----------
-    design : A design, from `read_design`, or the path of its file. DesignFileError where the file is refused.
+    design : A design, from `read_design`, or the path of its file.
 
     Returns
     -------

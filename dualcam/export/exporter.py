@@ -79,9 +79,9 @@ def export_fmu(
 
     In the binaries, for all platforms of the project's FMU, only the block with GUID and start values
     differs: with the same parameters both FMUs compute the same bits. Tables become `cam1.csv` and `cam2.csv`
-    in the FMU's resources, the inputs of a scenario that drives this model `extra/scenario_in.csv`. The
-    scenario's end is the stop time of the default experiment. The same design and name give the same GUID and
-    bytes; the figures depend on the version of Matplotlib.
+    in the FMU's resources, the inputs of a scenario that drives this model `extra/scenario_in.csv`, which the
+    FMU's page shows how to play. The scenario's end is the stop time of the default experiment. The same
+    design and name give the same GUID and bytes; the figures depend on the version of Matplotlib.
 
     Parameters
     ----------
