@@ -68,14 +68,12 @@ def group() -> None:
 def main(words: Sequence[str] | None = None) -> int:
     """Run a command; `words` None: those of the process. The result is the exit code: 0 done, and for `check`
     the design works; 1 the design or the data are refused; 2 wrong use; 130 interrupted."""
-    from dualcam.cli.output import warn
-
     given = list(sys.argv[1:] if words is None else words)
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):  # a name that the terminal cannot show is no reason to stop
             stream.reconfigure(errors="backslashreplace")
     with warnings.catch_warnings():
-        warnings.showwarning = lambda message, *_, **__: warn(str(message))
+        warnings.showwarning = _show_warning
         try:
             code = group.main(args=given, prog_name="dualcam", standalone_mode=False)
         except click.ClickException as error:
@@ -87,6 +85,12 @@ def main(words: Sequence[str] | None = None) -> int:
         except (ValueError, OSError) as error:
             return _refuse(error, "--json" in given)
     return code if isinstance(code, int) else DONE
+
+
+def _show_warning(message: Warning | str, *_: object, **__: object) -> None:
+    from dualcam.cli.output import warn  # here, because --help needs no JSON
+
+    warn(str(message))
 
 
 def _refuse(error: Exception, as_json: bool) -> int:
