@@ -99,8 +99,8 @@ def _listed(description: ModelDescription, text: str) -> list[Variable]:
         names = [variable.name for variable in description.variables]
         near = difflib.get_close_matches(text, names, n=3, cutoff=0.5)
         guess = f": did you mean {', '.join(near)}?" if near else "; leave out --variables to see all"
-        text = f"{description.model_name} has no variable with {text!r} in its name{guess}"
-        raise UnknownVariableError(text)
+        said = f"{description.model_name} has no variable with {text!r} in its name{guess}"
+        raise UnknownVariableError(said)
     return listed
 
 
