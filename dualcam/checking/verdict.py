@@ -32,6 +32,7 @@ from dualcam.design_file.durability import (
 from dualcam.design_file.findings import ERROR, WARNING
 from dualcam.design_file.toml_text import line_of
 from dualcam.errors import FmuError
+from dualcam.fmi.fmu import Fmu
 from dualcam.fmi.library import fmu_path
 from dualcam.fmi.variables import inputs_of, unused
 
@@ -157,8 +158,6 @@ def check_design(design: DesignSource) -> Verdict:
 
 def _start_of(design: DesignFile) -> tuple[str, int]:
     """The FMU's refusal to start with a design, "" if it starts, and its friction class."""
-    from dualcam.fmi.fmu import Fmu
-
     with Fmu(fmu_path(design.model)) as fmu, units_checked_before():
         try:
             fmu.start(design.parameters_for() | _first_inputs(design))

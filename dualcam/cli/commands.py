@@ -9,6 +9,8 @@ from io import TextIOWrapper
 
 import click
 
+from dualcam.errors import DualcamError
+
 DONE, REFUSED, WRONG_USE, INTERRUPTED = 0, 1, 2, 130
 
 # Command -> what it does, in the words of `dualcam --help`. The module has the command's name.
@@ -95,8 +97,6 @@ def _show_warning(message: Warning | str, *_: object, **__: object) -> None:
 
 def _refuse(error: Exception, as_json: bool) -> int:
     """The message of an error of this package, or of the system. Any other error is a fault: it is raised."""
-    from dualcam.errors import DualcamError
-
     if not isinstance(error, DualcamError | OSError):
         raise error
     text = str(error) if isinstance(error, DualcamError) else _of_the_system(error)

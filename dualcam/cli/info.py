@@ -12,6 +12,7 @@ import click
 
 from dualcam.cli.options import as_json, example
 from dualcam.cli.output import print_json, print_table, say, warn
+from dualcam.errors import UnknownVariableError
 
 if TYPE_CHECKING:
     from dualcam.fmi.model_description import DefaultExperiment, ModelDescription, Variable
@@ -92,8 +93,6 @@ def command(fmu: str, fmi: str | None, variables: str, shows_all: bool, as_json:
 
 def _listed(description: ModelDescription, text: str) -> list[Variable]:
     """The variables with the text in their name; an error where there is none."""
-    from dualcam.errors import UnknownVariableError
-
     listed = [variable for variable in description.variables if text in variable.name]
     if not listed and text:
         names = [variable.name for variable in description.variables]
