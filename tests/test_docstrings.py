@@ -23,8 +23,8 @@ MODULES = tuple(
 )
 # Rooms of which every public name is checked besides dualcam.__all__.
 ROOMS = (
-    *(dualcam.design, dualcam.design.tolerances, dualcam.study, dualcam.gym, dualcam.mujoco),
-    *(dualcam.gradient, dualcam.coupling, dualcam.identification),
+    *(dualcam.design, dualcam.design.tolerances, dualcam.study, dualcam.gym, dualcam.mujoco, dualcam.fmi),
+    *(dualcam.gradient, dualcam.coupling, dualcam.identification, dualcam.fleet, dualcam.control),
 )
 # Results of functions: users make none.
 RETURNED = (

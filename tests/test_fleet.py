@@ -386,6 +386,12 @@ def test_both_names_of_the_step():
         fmu.start()
         for name in ("step", "size"):
             fmu.step(**{name: 2.0 * STEP})
+        for call in (
+            *(lambda: fleet.step([[1.0]], STEP, h=STEP), lambda: fleet.rollout([[[1.0]]], STEP, h=STEP)),
+            lambda: fmu.step(STEP, size=STEP),
+        ):
+            with refused("step = 0.001 and ", "they mean the same"):
+                call()
         assert fleet.times[0] == pytest.approx(fmu.time) == pytest.approx(4.0 * STEP)
 
 
@@ -460,19 +466,11 @@ def test_a_closed_fleet():
     fleet.close()
     fleet.close()
     assert repr(fleet) == "<Fleet of 2 DualCamForward, closed>"
-    calls = [
-        lambda: fleet.step(np.zeros((2, 1)), STEP),
-        fleet.reset,
-        fleet.save,
-        lambda: fleet.restore(state),
-    ]
-    for call in [
-        *calls,
-        lambda: fleet.get("theta"),
-        lambda: fleet.times,
-        lambda: fleet.failed,
-        fleet.__enter__,
-    ]:
+    for call in (
+        *(fleet.reset, fleet.save, fleet.__enter__, lambda: fleet.restore(state)),
+        *(lambda: fleet.step(np.zeros((2, 1)), STEP), lambda: fleet.get("theta")),
+        *(lambda: fleet.times, lambda: fleet.failed),
+    ):
         with refused("this fleet is closed"):
             call()
 

@@ -33,7 +33,8 @@ class RemedySearch:
         self._tried: dict[tuple[str, float], dict[str, bool] | None] = {}
 
     def mended(self, trouble: Trouble) -> Finding:
-        """The finding with a value that "works", so that the whole check passes, or mends it alone."""
+        """The finding with a value that "works": the whole check passes, and no former error is left as a
+        warning. Else with one that removes this finding and makes no new error."""
         for whole, words in ((True, "works"), (False, "mends this finding, not the others")):
             for remedy in trouble.remedies:
                 value = self._value(trouble.finding, remedy, whole)
@@ -56,8 +57,9 @@ class RemedySearch:
             if not is_sensible(self.design, remedy.key, value):
                 return False
             kinds = self._kinds(remedy.key, value)
-            errors = {kind for kind, is_error in (kinds or {}).items() if is_error}
-            return kinds is not None and not mended & kinds.keys() and errors <= allowed
+            if kinds is None or mended & kinds.keys():
+                return False
+            return {kind for kind, is_error in kinds.items() if is_error} <= allowed
 
         value = nearest_working(float(current), remedy.bound, works)
         if value is not None and whole and self.refusal(with_value(self.design, remedy.key, value)):

@@ -135,8 +135,7 @@ def _jam(design: DesignFile, mechanism: Mechanism, text: str) -> Trouble:
 
 def _of_groove(design: DesignFile, mechanism: Mechanism, failure: LimitViolation, i: int) -> Trouble:
     what, text = failure.what, failure.text
-    law, friction = _law(design, i), f"cam{i}.friction"
-    key = f"cam{i}.{law.steepness or law.parameters[0]}"
+    key, friction = f"cam{i}.{_law(design, i).parameters[0]}", f"cam{i}.friction"
     shorter = _shorter(failure)
     if what.startswith("self-locking"):
         remedies = _steeper(mechanism, i, 1.2)

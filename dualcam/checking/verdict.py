@@ -32,6 +32,7 @@ from dualcam.design_file.durability import (
 from dualcam.design_file.findings import ERROR, WARNING
 from dualcam.design_file.toml_text import line_of
 from dualcam.errors import FmuError
+from dualcam.fmi.fmu import Fmu
 from dualcam.fmi.library import fmu_path
 from dualcam.fmi.variables import inputs_of, unused
 
@@ -88,8 +89,8 @@ class Verdict:
         return self.starts and not self.errors
 
     def to_json(self) -> dict[str, Any]:
-        """The verdict for json.dumps: name, model, good, starts, findings, notes, and numbers in SI
-        units, which are null for a design with errors."""
+        """The verdict for json.dumps: name, model, good, starts, findings (a list of dictionaries), notes,
+        and numbers in SI units, which are null for a design with errors."""
         return {
             "name": self.name,
             "model": self.model,
@@ -102,11 +103,12 @@ class Verdict:
 
 
 def check_design(design: DesignSource) -> Verdict:
-    """Check a design and start its FMU.
+    """Check a design and start its FMU. DesignFileError where the file is refused, FmuError where this
+    package's FMUs are missing.
 
     Parameters
     ----------
-    design : A design, from `read_design`, or the path of its file. DesignFileError where the file is refused.
+    design : A design, from `read_design`, or the path of its file.
 
     Returns
     -------
@@ -156,8 +158,6 @@ def check_design(design: DesignSource) -> Verdict:
 
 def _start_of(design: DesignFile) -> tuple[str, int]:
     """The FMU's refusal to start with a design, "" if it starts, and its friction class."""
-    from dualcam.fmi.fmu import Fmu
-
     with Fmu(fmu_path(design.model)) as fmu, units_checked_before():
         try:
             fmu.start(design.parameters_for() | _first_inputs(design))

@@ -37,7 +37,9 @@ HEADS = (
 @design_file
 @click.option("-o", "--output", type=FILE, help="CSV file for the table.")
 @click.option("--plot", type=FILE, help="Picture of the band (.png, .svg or .pdf).")
-@click.option("--points", type=click.IntRange(2, 100_000), default=9, show_default=True, help="Angles.")
+@click.option(
+    "--points", type=click.IntRange(2, 100_000), default=9, show_default=True, help="Number of angles."
+)
 @anyway
 @as_json
 def command(

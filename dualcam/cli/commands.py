@@ -9,6 +9,8 @@ from io import TextIOWrapper
 
 import click
 
+from dualcam.errors import DualcamError
+
 DONE, REFUSED, WRONG_USE, INTERRUPTED = 0, 1, 2, 130
 
 # Command -> what it does, in the words of `dualcam --help`. The module has the command's name.
@@ -68,14 +70,12 @@ def group() -> None:
 def main(words: Sequence[str] | None = None) -> int:
     """Run a command; `words` None: those of the process. The result is the exit code: 0 done, and for `check`
     the design works; 1 the design or the data are refused; 2 wrong use; 130 interrupted."""
-    from dualcam.cli.output import warn
-
     given = list(sys.argv[1:] if words is None else words)
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):  # a name that the terminal cannot show is no reason to stop
             stream.reconfigure(errors="backslashreplace")
     with warnings.catch_warnings():
-        warnings.showwarning = lambda message, *_, **__: warn(str(message))
+        warnings.showwarning = _show_warning
         try:
             code = group.main(args=given, prog_name="dualcam", standalone_mode=False)
         except click.ClickException as error:
@@ -89,10 +89,14 @@ def main(words: Sequence[str] | None = None) -> int:
     return code if isinstance(code, int) else DONE
 
 
+def _show_warning(message: Warning | str, *_: object, **__: object) -> None:
+    from dualcam.cli.output import warn  # here, because --help needs no JSON
+
+    warn(str(message))
+
+
 def _refuse(error: Exception, as_json: bool) -> int:
     """The message of an error of this package, or of the system. Any other error is a fault: it is raised."""
-    from dualcam.errors import DualcamError
-
     if not isinstance(error, DualcamError | OSError):
         raise error
     text = str(error) if isinstance(error, DualcamError) else _of_the_system(error)

@@ -86,7 +86,7 @@ OPTIONS = (
         " pin.width.",
     ),
     _length("--outer-diameter", "Of a solid. Default: twice the radius, and the depth."),
-    _length("--bore-diameter", "Of a solid. Default: the groove's floor, so that the groove is a slot."),
+    _length("--bore-diameter", "Of a solid. Default: that of the groove's floor: the groove is a slot."),
     _length("--length", "Of a solid, along the axis. Default: the groove and two pin diameters."),
 )
 

@@ -22,9 +22,9 @@ from dualcam.cli.output import (
     say_written,
     warn,
 )
+from dualcam.errors import DualcamError, IdentificationError
 
 if TYPE_CHECKING:
-    from dualcam.errors import DualcamError
     from dualcam.identification import Identification
 
 SILENT = 5.0  # s without a line of progress
@@ -86,7 +86,6 @@ def command(
     The table shows the fitted values with 95 % intervals. Warnings say what the data cannot tell apart.
     """
     from dualcam.common.paths import check_picture, page_path_of
-    from dualcam.errors import IdentificationError
     from dualcam.identification import identify
     from dualcam.identification.unknowns import unknowns_of
     from dualcam.plots.design import save
@@ -127,8 +126,6 @@ def command(
 
 def _refusal(found: Identification, output: Path) -> DualcamError | None:
     """Writes the fitted design; the error, for after the result, where it must not be written."""
-    from dualcam.errors import DualcamError
-
     try:
         found.write_design(output)
     except DualcamError as error:

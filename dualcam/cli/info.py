@@ -12,6 +12,7 @@ import click
 
 from dualcam.cli.options import as_json, example
 from dualcam.cli.output import print_json, print_table, say, warn
+from dualcam.errors import UnknownVariableError
 
 if TYPE_CHECKING:
     from dualcam.fmi.model_description import DefaultExperiment, ModelDescription, Variable
@@ -92,15 +93,13 @@ def command(fmu: str, fmi: str | None, variables: str, shows_all: bool, as_json:
 
 def _listed(description: ModelDescription, text: str) -> list[Variable]:
     """The variables with the text in their name; an error where there is none."""
-    from dualcam.errors import UnknownVariableError
-
     listed = [variable for variable in description.variables if text in variable.name]
     if not listed and text:
         names = [variable.name for variable in description.variables]
         near = difflib.get_close_matches(text, names, n=3, cutoff=0.5)
         guess = f": did you mean {', '.join(near)}?" if near else "; leave out --variables to see all"
-        text = f"{description.model_name} has no variable with {text!r} in its name{guess}"
-        raise UnknownVariableError(text)
+        said = f"{description.model_name} has no variable with {text!r} in its name{guess}"
+        raise UnknownVariableError(said)
     return listed
 
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 
 from dualcam.cli.output import count, warn
+from dualcam.errors import DesignFileError
 
 if TYPE_CHECKING:
     from dualcam.design_file import DesignFile
@@ -44,7 +45,6 @@ def open_design(path: Path, anyway: bool, as_json: bool = False) -> DesignFile:
 def judge(design: DesignFile, anyway: bool, as_json: bool = False) -> None:
     """DesignFileError with the errors of `dualcam check`; `anyway` prints them, beside JSON on stderr."""
     from dualcam.checking import check_design
-    from dualcam.errors import DesignFileError
 
     verdict = check_design(design)
     for finding in verdict.warnings:

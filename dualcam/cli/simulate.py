@@ -16,6 +16,7 @@ from dualcam.cli.output import (
     say,
     say_written,
 )
+from dualcam.errors import DualcamError
 
 if TYPE_CHECKING:
     from dualcam.design_file import DesignFile
@@ -94,7 +95,6 @@ def _run(design: DesignFile, names: list[str], fmu: Path | None, quiet: bool) ->
 def _check_plot(path: Path, names: list[str]) -> None:
     """DualcamError, before the run, for a picture that cannot be drawn or written."""
     from dualcam.common.paths import check_picture
-    from dualcam.errors import DualcamError
 
     check_picture(path)
     missing = [name for name in ("theta", "tau") if names and name not in names]

@@ -13,6 +13,7 @@ REAL = "fiu"  # kinds of NumPy's types
 TIME, TRUTH = REAL + "m", REAL + "b"
 PLAIN = frozenset((np.ndarray, np.float64, float, int, list, tuple))  # types without units and masks
 BOOLEANS, NUMBERS = frozenset((bool, np.bool_)), frozenset((float, int, np.float64))
+SEQUENCES = (list, tuple)  # list | tuple would be made at each call
 CARRIES_UNIT = ("magnitude", "to_value")  # attributes of the quantities of pint, astropy and unyt
 SECOND = np.timedelta64(1, "s")
 REMEDIES = {  # kind of NumPy's types -> what to do
@@ -39,7 +40,7 @@ def real_array(
     except Exception as reason:  # rows of different lengths; types of other packages have errors of their own
         raise error(f"{name} is no array of real numbers: {reason}") from None
     may_mix = "b" in kinds and given.ndim > 1  # a column of booleans beside one of numbers
-    if given.dtype.kind in REAL and not may_mix and _has_boolean(values):
+    if given is not values and given.dtype.kind in REAL and not may_mix and _has_boolean(values):
         raise error(f"{name} has elements of type {_type_of(np.empty(0, bool))}")
     if given.dtype.kind not in kinds:
         raise error(f"{name} has elements of type {_type_of(given)}")
@@ -60,10 +61,11 @@ def _has_boolean(values: object) -> bool:
     """Whether a list has booleans among its numbers, which NumPy makes numbers, too."""
     if isinstance(values, np.ndarray):
         return values.dtype.kind == "b"
-    if not isinstance(values, list | tuple):
+    if not isinstance(values, SEQUENCES):
         return False
-    types = set(map(type, values))
-    return bool(types & BOOLEANS) or (not types <= NUMBERS and any(map(_has_boolean, values)))
+    if NUMBERS.issuperset(map(type, values)):  # the usual case, in a loop that sets values
+        return False
+    return any(type(value) in BOOLEANS or _has_boolean(value) for value in values)
 
 
 def _type_of(given: NDArray[np.generic]) -> str:
@@ -86,6 +88,17 @@ def number_of(
     if not math.isfinite(number):
         raise error(f"{name} = {value!r}: allowed is {allowed}")
     return number
+
+
+def given_once(**named: float | None) -> tuple[str, float | None]:
+    """Name and value of an argument that has several names: the first one where none is given.
+
+    FmuError where two are given."""
+    given = {name: value for name, value in named.items() if value is not None}
+    if len(given) > 1:
+        text = " and ".join(f"{name} = {value!r}" for name, value in given.items())
+        raise FmuError(f"{text}: allowed is one of them, they mean the same")
+    return next(iter((given or named).items()))
 
 
 def positive_number(

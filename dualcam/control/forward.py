@@ -6,7 +6,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from dualcam.common.arrays import positive_number
+from dualcam.common.arrays import given_once, positive_number
 from dualcam.common.entries import repeated
 from dualcam.errors import FmuError
 from dualcam.fmi.continuous_fmu import ContinuousFmu
@@ -66,9 +66,7 @@ def sampling_period(period: float | None, dt: float | None) -> float | None:
     """The period [s] of a sampled model, given by either name; None for continuous time.
 
     FmuError if it is no finite number > 0, or if both are given."""
-    if period is not None and dt is not None:
-        raise FmuError(f"period = {period!r} and dt = {dt!r}: allowed is one of them, they mean the same")
-    name, value = ("period", period) if dt is None else ("dt", dt)
+    name, value = given_once(period=period, dt=dt)
     allowed = "a finite number > 0 in s, or None for continuous time"
     return None if value is None else positive_number(value, name, allowed)
 

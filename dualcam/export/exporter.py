@@ -21,6 +21,7 @@ from dualcam.export.reference import (
     SlowMotionCurves,
     reference_result,
     slow_motion_curves,
+    stops_of,
 )
 from dualcam.export.scenario import FILE as SCENARIO_FILE
 from dualcam.export.scenario import scenario_for, scenario_table, scenario_text
@@ -79,9 +80,9 @@ def export_fmu(
 
     In the binaries, for all platforms of the project's FMU, only the block with GUID and start values
     differs: with the same parameters both FMUs compute the same bits. Tables become `cam1.csv` and `cam2.csv`
-    in the FMU's resources, the inputs of a scenario that drives this model `extra/scenario_in.csv`. The
-    scenario's end is the stop time of the default experiment. The same design and name give the same GUID and
-    bytes; the figures depend on the version of Matplotlib.
+    in the FMU's resources, the inputs of a scenario that drives this model `extra/scenario_in.csv`, which the
+    FMU's page shows how to play. The scenario's end is the stop time of the default experiment. The same
+    design and name give the same GUID and bytes; the figures depend on the version of Matplotlib.
 
     Parameters
     ----------
@@ -157,8 +158,7 @@ def _with_theta_in_range(model: str, given: dict[str, Scalar]) -> dict[str, Scal
     """For the inverse model whose range excludes theta = 0: the start value of theta is the nearest stop."""
     if model != "inverse" or "theta" in given:
         return given
-    known = parameters_of(model)
-    low, high = (float(given.get(name, known[name].start)) for name in ("stop.lower", "stop.upper"))
+    low, high = stops_of(given)
     return given if low <= 0.0 <= high else given | {"theta": low if low > 0.0 else high}
 
 

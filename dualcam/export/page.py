@@ -15,7 +15,7 @@ from dualcam.errors import ExportError
 from dualcam.export.description import AGAIN, Description, VariableTag, number_text
 from dualcam.export.reference import Array, Reference, SlowMotionCurves
 from dualcam.fmi.model_description import Scalar
-from dualcam.plots.design import ANGLE, BLUE, GREY, ORANGE, axis_from_zero, figure, legend_above
+from dualcam.plots.design import ANGLE, BLUE, GREY, ORANGE, figure, finish
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -93,11 +93,8 @@ def figures(curves: SlowMotionCurves, reference: Reference) -> str:
     ):
         picture, (axes,) = figure(1, HEIGHT)
         draw(axes, theta, curves, reference)
-        axes.set_xlabel(x_name)
         axes.set_ylabel(y_name)
-        axes.grid(alpha=0.3)
-        axis_from_zero(axes)
-        legend_above(axes)
+        finish(axes, x_name)
         found += figure_element(picture, title, caption)
     return found
 

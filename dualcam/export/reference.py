@@ -185,7 +185,7 @@ def slow_motion_curves(parameters: Mapping[str, Scalar]) -> SlowMotionCurves:
     """Curves of a design by its parameters, tables as absolute paths. FmuError if the FMU refuses."""
     omitted = (*START_INPUTS, "tau")  # tau is an input of the forward FMU alone
     given = {name: value for name, value in parameters.items() if name not in omitted} | MOTION
-    theta = np.linspace(*_stops(given), POINTS)
+    theta = np.linspace(*stops_of(given), POINTS)
     with Fmu("inverse") as fmu:
         loading = np.array([_read(fmu, given, angle, SLOW) for angle in theta]).T
         releasing = np.array([_read(fmu, given, angle, -SLOW) for angle in theta]).T
@@ -195,7 +195,7 @@ def slow_motion_curves(parameters: Mapping[str, Scalar]) -> SlowMotionCurves:
     return SlowMotionCurves(theta, values, reactions)
 
 
-def _stops(given: Mapping[str, Scalar]) -> tuple[float, float]:
+def stops_of(given: Mapping[str, Scalar]) -> tuple[float, float]:
     """Both end stops [rad]: those of the design, else the start values of the FMU."""
     known = parameters_of("inverse")
     lower, upper = (float(given.get(name, known[name].start)) for name in STOPS)

@@ -163,7 +163,7 @@ class FleetState(ProcessBound):
 
     Attributes
     ----------
-    instances : The instances whose states these are, shape (count,).
+    instances : Booleans of shape (count,): the instances whose states these are.
     """
 
     _instead = "restore it into its own fleet"

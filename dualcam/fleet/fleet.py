@@ -11,7 +11,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from dualcam.common.arrays import Array, number_of, positive_number, real_array
+from dualcam.common.arrays import Array, given_once, number_of, positive_number, real_array
 from dualcam.common.process_bound import ProcessBound
 from dualcam.common.unit_guards import warn_units
 from dualcam.errors import FleetError, FmuError, UnknownVariableError
@@ -48,8 +48,8 @@ class Fleet(ProcessBound):
     ----------
     fmu : "forward" or "inverse" for this package's own FMUs, or the path of any FMU of FMI 2.0.
     count : Number of instances, > 0.
-    inputs : Real variables that are set before each step, shape (n,).
-    outputs : Real variables that are read after each step, shape (m,).
+    inputs : Names of the n real variables that are set before each step.
+    outputs : Names of the m real variables that are read after each step.
     parameters : mapping of str to value, optional
         Start values of parameters and inputs, in the FMU's units: one value for all instances, or an array of
         shape (count,). Default: the FMU's.
@@ -167,7 +167,7 @@ class Fleet(ProcessBound):
             Inputs in the FMU's units, constant over the step. No copy is made of a C-contiguous array of
             float64. The rows of instances that have failed are not read.
         step, h : Length of the step [s], > 0, by either name.
-        out : Where the outputs go. Default: a new array, shape (count, m).
+        out : Array of float64 for the outputs, shape (count, m). Default: a new one.
 
         Returns
         -------
@@ -182,7 +182,7 @@ class Fleet(ProcessBound):
         FmuError
             A wrong shape or type, or a value that is not finite: no instance made the step.
         """
-        return self._roll(u, (), step if h is None else h, out)
+        return self._roll(u, (), step, h, out)
 
     def rollout(
         self, u: ArrayLike, step: float | None = None, out: Array | None = None, *, h: float | None = None
@@ -193,12 +193,13 @@ class Fleet(ProcessBound):
         ----------
         u : Inputs in the FMU's units, constant over each step, shape (count, steps, n).
         step, h : Length of each step [s], > 0, by either name.
-        out : Where the outputs go. Default: a new array, shape (count, steps, m).
+        out : Array of float64 for the outputs, shape (count, steps, m). Default: a new one.
 
         Returns
         -------
         ndarray, shape (count, steps, m)
-            Outputs after each step; NaN from the step on in which an instance failed.
+            Outputs after each step. Errors are those of `step`: in `outputs` of a FleetError the rows of a
+            failed instance are NaN from the step on in which it failed.
 
         Examples
         --------
@@ -210,12 +211,16 @@ class Fleet(ProcessBound):
         ...     fleet.rollout(torque, 1e-3)[:, -1].round(3).tolist()  # rad, rad/s
         [[1.206, 9.05], [0.7, -5.543]]
         """
-        return self._roll(u, (steps_of(u),), step if h is None else h, out)
+        return self._roll(u, (steps_of(u),), step, h, out)
 
-    def _roll(self, u: ArrayLike, steps: tuple[int, ...], step: float | None, out: Array | None) -> Array:
+    def _roll(
+        self, u: ArrayLike, steps: tuple[int, ...], step: float | None, h: float | None, out: Array | None
+    ) -> Array:
         """Steps of all instances. `steps`: the shape of one column of inputs of one instance."""
         shape = (self.count, *steps, len(self.inputs))
         inputs = np.ascontiguousarray(real_array(u, "u", FmuError, shape))
+        if h is not None:
+            _, step = given_once(step=step, h=h)
         if type(step) is not float or not 0.0 < step < math.inf:
             step = positive_number(step, "step", "a finite number > 0, in s")
         wanted = (self.count, *steps, len(self.outputs))
@@ -246,13 +251,14 @@ class Fleet(ProcessBound):
         """Begin a new run of some instances, at the start time.
 
         FleetError where the FMU refuses a start value of an instance: no instance was reset. Where the FMU
-        cannot save its state, that instance fails, and the others have begun a new run.
+        cannot save its state, that instance fails, and the others have begun a new run. FmuError for a wrong
+        argument: no instance was reset.
 
         Parameters
         ----------
-        instances : Numbers of the instances, or which instances. Default: all, shape (count,).
+        instances : Numbers of the instances, or booleans of shape (count,). Default: all.
         parameters : mapping of str to value, optional
-            Start values that replace earlier ones of these instances: one value, or of shape (count,).
+            Start values that replace earlier ones of these instances: one value, or shape (count,).
         """
         chosen = chosen_instances(instances, self.count)
         merged = self._merged(parameters or {}, chosen)
@@ -290,8 +296,8 @@ class Fleet(ProcessBound):
         Parameters
         ----------
         name : Name of the variable.
-        values : In the variable's unit, shape (count,).
-        instances : Numbers of the instances, or which instances. Default: all, shape (count,).
+        values : One value, or an array of shape (count,), in the variable's unit.
+        instances : Numbers of the instances, or booleans of shape (count,). Default: all.
         """
         layout = Layout([self._variable(name)], {name: values}, self.count)
         self._change("fleet_set", layout, chosen_instances(instances, self.count))
@@ -313,7 +319,7 @@ class Fleet(ProcessBound):
 
         Parameters
         ----------
-        instances : Numbers of the instances, or which instances. Default: all, shape (count,).
+        instances : Numbers of the instances, or booleans of shape (count,). Default: all.
 
         Returns
         -------
@@ -329,12 +335,13 @@ class Fleet(ProcessBound):
         return state
 
     def restore(self, state: FleetState, instances: ArrayLike | None = None) -> None:
-        """Go back to saved states, with their times. FmuError for a state of another fleet.
+        """Go back to saved states, with their times. FmuError for those of another fleet, and for an instance
+        that was not saved.
 
         Parameters
         ----------
         state : From `save` of this fleet.
-        instances : Which of the saved instances. Default: all of them, shape (count,).
+        instances : Which of the saved instances, as in `save`. Default: all of them.
         """
         if not isinstance(state, FleetState) or state._core is not self._core:
             raise FmuError(f"restore({state!r}): allowed is a FleetState from save of this fleet")

@@ -53,7 +53,7 @@ class ContinuousFmu(Handle):
         self._indicators = (c_double * indicators)()
 
     def start(self, parameters: Mapping[str, Scalar] | None = None, time: float = 0.0) -> None:
-        """Begin in continuous-time mode. FmuError without inertia, too: then speed is no state.
+        """Begin in continuous-time mode. FmuError where the FMU has no inertia: then speed is no state.
 
         `parameters`: start values of parameters and inputs, in their units. `time`: start time [s].
         """

@@ -17,7 +17,7 @@ from collections.abc import Mapping, Sequence
 
 from numpy.typing import ArrayLike
 
-from dualcam.common.arrays import Array, positive_number
+from dualcam.common.arrays import Array, given_once, positive_number
 from dualcam.errors import FmuError
 from dualcam.fmi.handle import Handle, names_of
 from dualcam.fmi.instance import OK_OR_WARNING
@@ -81,8 +81,10 @@ class Fmu(Handle):
         no run has begun, or the FMU refuses the step.
         """
         instance = self._instance
+        if size is not None:
+            _, step = given_once(step=step, size=size)
         if type(step) is not float or not 0.0 < step < math.inf:
-            step = positive_number(size if step is None else step, "step", STEP_SIZES)
+            step = positive_number(step, "step", STEP_SIZES)
         status = instance.do_step(instance.component, self._time, step, *instance.step_end)
         if status > OK_OR_WARNING:
             instance.check(status, instance.DO_STEP)

@@ -96,7 +96,8 @@ class Handle(ProcessBound):
 
     @property
     def time(self) -> float:
-        """Present time [s], where the next step begins. Assigning it removes the rounding of many steps."""
+        """Present time [s], at which the next step begins. The times of many equal steps add up rounding
+        errors, which assigning the exact time removes."""
         self._instance.require_open()
         return self._time
 
@@ -137,9 +138,9 @@ class Handle(ProcessBound):
         return list(self._variables)
 
     def variable(self, name: str, *kinds: Kind) -> Variable:
-        """The description of a variable. FmuError where the variable is of another kind.
+        """The description of the variable `name`. FmuError where the variable is of another kind.
 
-        `name` of the variable. `kinds`: allowed kinds, of "real", "integer", "boolean", "string". None: all.
+        `kinds`: allowed kinds, of "real", "integer", "boolean" and "string"; where none is given, all.
         """
         if not isinstance(name, str):
             raise UnknownVariableError(f"variable {name!r}: allowed is the name of one variable, a text")
@@ -151,26 +152,25 @@ class Handle(ProcessBound):
         return variable
 
     def reals(self, *names: str) -> Reals:
-        """A group of real variables that is read or written often, with its own buffer. FmuError where a name
-        stands twice. `names` of real variables.
+        """A group of real variables that is read or written often, with its own buffer. FmuError where one of
+        `names` is of another kind, or stands twice.
         """
         return Reals(self._instance, names, self._references(names_of(names, "names")))
 
     def get(self, name: str) -> Scalar:
-        """The value of one variable of any kind, for use outside the loop: in the variable's unit. `name` of
-        the variable.
-        """
+        """The value of the variable `name` of any kind, in its unit, for use outside the loop."""
         variable = self.variable(name)
         self._instance.require_calls_allowed()
         return self._instance.get(variable)
 
     def real(self, name: str) -> float:
-        """The value of one real variable, as `get`: in the variable's unit. `name` of the variable."""
+        """As `get`, for a real variable alone: FmuError where `name` is of another kind."""
         self.variable(name, "real")
         return float(self.get(name))
 
     def set(self, name: str, value: Scalar) -> None:
-        """Set one variable of any kind, for use outside the loop: inputs and tunable parameters.
+        """Set one variable of any kind, for use outside the loop: inputs and tunable parameters. Start values
+        go into `start`.
 
         `name` of the variable. `value`: in the variable's unit. FmuError where the value does not suit the
         variable's type.
@@ -193,21 +193,21 @@ class Handle(ProcessBound):
             raise
 
     def jacobian(self, unknowns: Names, knowns: Names) -> Array:
-        """Partial derivatives at the present point. FmuError where the FMU has no such derivative. In
-        the unit of the unknown per unit of the known, shape (n, m).
+        """Partial derivatives at the present point, shape (n, m), in the unit of the unknown per unit of the
+        known. FmuError where the FMU has no such derivative.
 
-        `unknowns`: outputs and derivatives of states (`alpha`), shape (n,). `knowns`: inputs, states
-        (`theta`, `omega`) and tunable parameters, shape (m,).
+        `unknowns`: n outputs and derivatives of states (`alpha`). `knowns`: m inputs, states (`theta`,
+        `omega`) and tunable parameters.
         """
         unknowns, knowns = names_of(unknowns, "unknowns"), names_of(knowns, "knowns")
         columns = [self.directional_derivative(unknowns, [known], [1.0]) for known in knowns]
         return np.reshape(columns, (len(knowns), len(unknowns))).T
 
     def directional_derivative(self, unknowns: Names, knowns: Names, seed: ArrayLike) -> Array:
-        """Product of the partial derivatives with a direction: jacobian(unknowns, knowns) @ seed, shape
-        (n,).
+        """Product of the partial derivatives with a direction: jacobian(unknowns, knowns) @ seed, shape (n,).
 
-        `unknowns`, `knowns`: as in `jacobian`. `seed`: the direction, in the units of the knowns, shape (m,).
+        `unknowns`, `knowns`, errors: as in `jacobian`. `seed`: the direction, in the units of the knowns,
+        shape (m,).
         """
         unknowns, knowns = names_of(unknowns, "unknowns"), names_of(knowns, "knowns")
         rows, columns = self._references(unknowns), self._references(knowns)
@@ -228,18 +228,14 @@ class Handle(ProcessBound):
         return (c_uint * len(names))(*(variable.value_reference for variable in variables))
 
     def save_state(self) -> FmuState:
-        """The whole state of the instance now, for `restore_state` of this instance. FmuError where the
-        FMU cannot save its state.
-        """
+        """The whole state of the instance now, for `restore_state`. FmuError where the FMU cannot save it."""
         self._instance.require_calls_allowed()
         if not self.interface.can_save_state:
             raise FmuError(f"{self.path} cannot save its state: canGetAndSetFMUstate is not set")
         return FmuState(self._instance, self._instance.save_state(), self._time)
 
     def restore_state(self, state: FmuState) -> None:
-        """Go back to a saved state, with its `time`. FmuError for a state of another instance. `state`: from
-        `save_state` of this instance.
-        """
+        """Go back to `state` of `save_state` of this instance, with its `time`. FmuError for another one."""
         if not isinstance(state, FmuState):
             raise FmuError(f"restore_state({state!r}): allowed is a state from save_state")
         if state._instance is not self._instance:

@@ -10,10 +10,10 @@ PACKAGE = Path(__file__).resolve().parents[1]
 
 
 def fmu_path(kind: str, fmi: int = 2) -> Path:
-    """Path of one of this package's FMUs. FmuError where a checkout has not been built yet. Returns the FMU
-    inside the installed package, or that of the build folder of a checkout.
+    """Path of one of this package's FMUs: inside the installed package, or in the build folder of a checkout.
 
     `kind`: "forward": torque in, motion out; "inverse": motion in, torque out. `fmi`: version, 2 or 3.
+    FmuError for anything else, and where a checkout has not been built yet.
 
     Examples
     --------
@@ -25,10 +25,10 @@ def fmu_path(kind: str, fmi: int = 2) -> Path:
         raise FmuError(f"fmu_path(kind={kind!r}): allowed are {', '.join(map(repr, MODELS))}")
     if type(fmi) is not int or fmi not in (2, 3):
         raise FmuError(f"fmu_path(fmi={fmi!r}): allowed are 2 (FMI 2.0) and 3 (FMI 3.0)")
-    folder = f"fmus/fmi{fmi}", "build" if fmi == 2 else "build/fmi3"
+    folders = f"fmus/fmi{fmi}", "build" if fmi == 2 else "build/fmi3"
     return _found(
         f"{MODELS[kind]}.fmu",
-        folder,
+        folders,
         f" of FMI {fmi}.0",
         "which makes the FMUs in build/; an installed package has the FMUs inside: install the package again",
     )
@@ -70,7 +70,8 @@ def _found(name: str, folders: tuple[str, str], what: str, remedy: str) -> Path:
 
 
 def source_path(source: str | Path, fmi: int | None = None) -> Path:
-    """The file behind a name ("forward", "inverse") or a path. FmuError for anything else."""
+    """The file behind a path, or behind "forward" or "inverse", then of FMI `fmi` (None: 2). FmuError for
+    anything else."""
     if not isinstance(source, str | Path):
         raise FmuError(
             f"FMU {source!r}: allowed are {', '.join(map(repr, MODELS))}, or the path of an FMU (str or Path)"

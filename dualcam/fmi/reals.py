@@ -66,8 +66,8 @@ class Reals(ProcessBound):
         self._values[:] = real_array(new, "values", FmuError, self._values.shape)
 
     def read(self) -> list[float]:
-        """Fetch the group from the FMU into `values`. Returns the n values as plain floats, which are the
-        fastest for scalar code.
+        """Fetch the group from the FMU into `values`. The n values come back as plain floats, too, which are
+        the fastest for scalar code.
         """
         instance = self._instance
         status = instance.get_real(*self._arguments)
@@ -83,10 +83,8 @@ class Reals(ProcessBound):
             instance.check(status, instance.SET_REAL)
 
     def read_derivatives(self, order: int) -> list[float]:
-        """Time derivatives of the group, whose variables are all outputs; else an FmuError. Returns the n
-        derivatives, in the variable's unit per s or per s2.
-
-        `order` of the derivatives, 1 or 2.
+        """The n time derivatives of `order` 1 or 2 of the group, in the variable's unit per s or per s2.
+        FmuError for another order, or where a variable is no output.
         """
         self._instance.require_calls_allowed()
         derivatives = (c_double * len(self.names))()
@@ -96,9 +94,9 @@ class Reals(ProcessBound):
     def write_derivatives(self, order: int, values: Sequence[float]) -> None:
         """Set time derivatives of the group, whose variables are all inputs, for the next step only.
 
-        FmuError for other variables, and in FMI 3.0, which has no derivatives of inputs. `order` of the
-        derivatives, one of 1, 2, 3. `values`: the derivatives, in the variable's unit per s, s2 or s3, shape
-        (n,).
+        `order` of the derivatives: 1, 2 or 3. `values`: the derivatives, in the variable's unit per s, s2 or
+        s3, shape (n,). FmuError for another order or shape, where a variable is no input, and in FMI 3.0,
+        which has no derivatives of inputs.
         """
         self._instance.require_calls_allowed()
         given = real_array(values, "values", FmuError, self._values.shape)

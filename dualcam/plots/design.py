@@ -33,7 +33,7 @@ ENERGY_LABELS = {
     "energy.heat_stop": "heat, stops",
 }
 ALONG = "angle along the groove, psi [deg]"
-STYLES = ((BLUE, "-"), (ORANGE, "--"))  # both grooves are often equal
+STYLES = ((BLUE, "-"), (ORANGE, "--"))  # both cams often carry the same, and both grooves are often equal
 MEGA, MILLI = 1e6, 1e3  # Pa -> MPa, m -> mm
 
 
@@ -107,18 +107,15 @@ def plot_strength(mechanism: Mechanism, pin: Pin | None, points: int = 181) -> F
     found = strength(mechanism, pin or AnyPin(1e-3, 1e-2), mechanism.angles(points))
     picture, axes = figure(2 if pin else 1, 2.6)
     angle = np.degrees(found.theta)
-    for i, (colour, style) in enumerate(((BLUE, "-"), (ORANGE, "--"))):  # both cams often carry the same
+    for i, (colour, style) in enumerate(STYLES):
         axes[0].plot(angle, found.load[i], style, color=colour, label=f"cam {i + 1}")
         if pin:
-            axes[1].plot(angle, found.pressure[i] / 1e6, style, color=colour, label=f"cam {i + 1}")
+            axes[1].plot(angle, found.pressure[i] / MEGA, style, color=colour, label=f"cam {i + 1}")
     axes[0].set_ylabel("reaction\nof one contact [N]")
     if pin:
         axes[1].set_ylabel("contact pressure [MPa]")
     for plot in axes:
-        legend_above(plot)
-        axis_from_zero(plot)
-        plot.set_xlabel(ANGLE)
-        plot.grid(alpha=0.3)
+        finish(plot, ANGLE)
     return picture
 
 
@@ -194,7 +191,7 @@ def draw_contact(pressure: Axes, shear: Axes, mechanism: Mechanism, pin: Pin, li
     pressure.set_ylabel("largest pressure [MPa]")
     shear.set_ylabel("largest shear stress\nbelow the surface [MPa]")
     for axes in (pressure, shear):
-        _finish(axes, ALONG)
+        finish(axes, ALONG)
 
 
 def plot_wear(wear: Wear, worn: WornMechanism | None, cycles: float) -> Figure:
@@ -207,7 +204,7 @@ def plot_wear(wear: Wear, worn: WornMechanism | None, cycles: float) -> Figure:
     if deepest > 0.0:
         axes[0].axhline(MILLI * deepest, color=GREY, ls=":", label="pin")
     axes[0].set_ylabel("depth of wear [mm]")
-    _finish(axes[0], ALONG)
+    finish(axes[0], ALONG)
     if worn is not None:
         angle = np.degrees(worn.theta)
         for new, old, colour, name in (
@@ -217,7 +214,7 @@ def plot_wear(wear: Wear, worn: WornMechanism | None, cycles: float) -> Figure:
             axes[1].plot(angle, _finite(new), color=colour, label=f"{name}, new")
             axes[1].plot(angle, _finite(old), "--", color=colour, label=f"{name}, worn")
         axes[1].set_ylabel("torque [N.m]")
-        _finish(axes[1], ANGLE)
+        finish(axes[1], ANGLE)
     return picture
 
 
@@ -242,7 +239,8 @@ def plot_goodman(spring: HelicalSpring, cycle: Fatigue, limit: float) -> Figure:
     return picture
 
 
-def _finish(axes: Axes, label: str) -> None:
+def finish(axes: Axes, label: str) -> None:
+    """The label below, a grid, 0 on the y axis, and the legend."""
     axes.set_xlabel(label)
     axes.grid(alpha=0.3)
     axis_from_zero(axes)

@@ -14,9 +14,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from dualcam.common.archive import write_archive
+from dualcam.common.arrays import number_of
 from dualcam.common.paths import path_of, whole_file
-from dualcam.design_file import DesignFile, DesignSource
+from dualcam.design_file import DesignFile, DesignSource, as_design
 from dualcam.errors import DesignError
+from dualcam.export.exporter import export_fmu
+from dualcam.fmi.fmu import STEP_SIZES
 from dualcam.ssp.system_structure import Component, SystemStructure, Value, check_system
 
 START = "start"
@@ -271,11 +274,6 @@ def export_ssp(design: DesignSource, path: str | Path, step: float = 1e-3, *, po
     ...     export_ssp(design, Path(folder) / "MyCam.ssp").name
     'MyCam.ssp'
     """
-    from dualcam.common.arrays import number_of
-    from dualcam.design_file import as_design
-    from dualcam.export.exporter import export_fmu
-    from dualcam.fmi.fmu import STEP_SIZES
-
     design, path = as_design(design), package_path(path)
     if not number_of(step, "step", STEP_SIZES) > 0.0:
         raise DesignError(f"step = {step!r}: allowed is {STEP_SIZES}")

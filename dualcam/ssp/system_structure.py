@@ -20,7 +20,7 @@ from dualcam.common.unit_guards import unit_warning
 from dualcam.design import Limits
 from dualcam.design_file import DesignFile, Finding
 from dualcam.errors import DesignError, DualcamError, DualcamWarning
-from dualcam.export.changed import RESOURCES
+from dualcam.export.changed import RESOURCES, is_own, restarted
 from dualcam.fmi.library import source_path
 from dualcam.fmi.model_description import ModelDescription, Scalar, Variable, read_model_description
 from dualcam.fmi.variables import all_parameters
@@ -58,8 +58,6 @@ class Component:
     @cached_property
     def members(self) -> Mapping[str, bytes] | None:
         """Of the FMU that starts from `values`; None where the FMU in `fmu` is packed as it is."""
-        from dualcam.export.changed import is_own, restarted
-
         before = read_members(self.fmu) if self.values else {}
         after = restarted(before, self.values) if is_own(before) else before
         return None if after is before else after
